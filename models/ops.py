@@ -1,0 +1,60 @@
+"""One spelling of sin, where, ... for Python floats, numpy arrays and CasADi symbols.
+
+Model functions take an ``Ops`` and never import ``math`` for values: ``math.sin`` of a CasADi symbol silently returns
+nan. They never branch with ``if`` on a value either: ``where`` evaluates both sides and picks one, which is the only
+form that a trace and a batch can follow.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Callable
+
+Value = Any
+"""A float, a numpy array or a CasADi symbol."""
+
+NEVER = 1e300
+"""The time of an event that will not happen, s: finite, so that no port ever carries an infinity."""
+
+
+@dataclass(frozen=True)
+class Ops:
+    """The operations that model functions use. ``where(condition, a, b)`` is a where the condition holds, else b."""
+
+    sin: Callable[[Value], Value]
+    cos: Callable[[Value], Value]
+    exp: Callable[[Value], Value]
+    sqrt: Callable[[Value], Value]
+    abs: Callable[[Value], Value]
+    atan2: Callable[[Value, Value], Value]
+    minimum: Callable[[Value, Value], Value]
+    maximum: Callable[[Value, Value], Value]
+    where: Callable[[Value, Value, Value], Value]
+
+
+FLOATS = Ops(
+    sin=math.sin,
+    cos=math.cos,
+    exp=math.exp,
+    sqrt=math.sqrt,
+    abs=abs,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a < b else b,
+    maximum=lambda a, b: a if a > b else b,
+    where=lambda condition, a, b: a if condition else b,
+)
+
+
+def arrays() -> Ops:
+    """Operations on numpy arrays (a batch of members in each component)."""
+    import numpy as np
+
+    return Ops(np.sin, np.cos, np.exp, np.sqrt, np.abs, np.arctan2, np.minimum, np.maximum, np.where)
+
+
+def symbols() -> Ops:
+    """Operations on CasADi symbols, for tracing a model to C."""
+    import casadi as ca
+
+    return Ops(ca.sin, ca.cos, ca.exp, ca.sqrt, ca.fabs, ca.atan2, ca.fmin, ca.fmax, ca.if_else)

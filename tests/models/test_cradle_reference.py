@@ -1,0 +1,145 @@
+"""Ship, line and cradle against reference values computed independently, through ``towage.verify``."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from towage.errors import SceneError
+from towage.models.system import Simulation
+from towage.verify import check, compare, verify
+from towage.verify_cradle import SOLVERS, dimensionless_system
+
+SHARED = Path(__file__).parents[2].parent / "shared" / "reference" / "cradle.json"
+EASY = {"B": 0.0, "r": 2.0, "y0": 0.0, "v0": 0.0, "tau": 1.0, "w": None}
+
+# Extremes in the shared file that are no extremes: see test_the_two_refuted_extremes_are_no_extremes
+REFUTED = {("thesis_slack_run_w=1.6", "ymin"), ("dock_slack_seed_td=3.8", "ymax")}
+
+
+def test_own_copy_agrees() -> None:
+    results = verify()
+    assert {r.kind for r in results} >= set(SOLVERS)
+    assert [r for r in results if not r.ok] == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SHARED.exists(), reason="the shared reference values are not beside this repository")
+def test_shared_reference_agrees() -> None:
+    cases = json.loads(SHARED.read_text())["cases"]
+    for case in cases:
+        for name, key in REFUTED:
+            if case["name"] == name:
+                del case["expected"][key]
+    assert [r for r in map(check, cases) if not r.ok] == []
+
+
+def test_the_two_refuted_extremes_are_no_extremes() -> None:
+    """The body passes both values at speed, without any event, between the start and the next turning point."""
+    run = Simulation(dimensionless_system(0.3, 1.0, 1.6), 0.0, (-2.0, 0.0))
+    y, v = run.advance(0.23743448076573)
+    assert y == pytest.approx(-1.9420054530959492, abs=1e-13)
+    assert v > 0.4 and run.slack_events == 0
+    run.advance(31.41592653589793)
+    turning = sorted(y for t, y in run.turning_points if t > 1e-9)
+    assert turning[0] == pytest.approx(-1.80991178, abs=1e-8)  # 9 digits of our own value
+
+    system = dimensionless_system(0.3, 1.0, 1.0, docked_mass=7.4688888888888885, docking_time=3.8, mode="continuous")
+    run = Simulation(system, 0.0, _orbit(1.0))
+    y, v = run.advance(5.44630587)
+    assert y == pytest.approx(1.4512628082467107, abs=1e-8)  # the time is given to 9 digits
+    assert v < -0.2 and not run.taut
+
+
+def _orbit(w: float) -> tuple[float, ...]:
+    from towage.models.orbits import steady
+
+    return steady(dimensionless_system(0.3, 1.0, w)).state
+
+
+def test_rule_of_comparison() -> None:
+    assert compare([1.0, 1e-12], [1.0, 0.0], 1e-8) == (1e-12, [])  # judged against the largest of the list
+    assert compare({"a": 0.0, "b": 100.0}, {"a": 1e-7, "b": 100.0}, 1e-8)[1] == []
+    assert compare({"a": 0.0}, {"a": 1e-7}, 1e-8)[1] != []
+    assert compare([2.0], [1.0, 2.0], 1e-8)[1] != []
+    assert compare(3, 3.0, 1e-8)[1] == []
+    assert compare(4, 3, 0.5)[1] != []  # integers exactly
+    assert compare(1, True, 0.5)[1] != []  # and booleans
+    assert compare(math.nan, 1.0, 1e-8)[1] != []
+    assert compare({}, {"a": 1.0}, 1e-8)[1] == ["no value is computed for a"]
+    assert compare({"a": [{"b": 1.0}]}, {"a": [{"b": 2.0}]}, 1e-8)[1][0].startswith("a[0].b: computed 1.0")
+
+
+def test_wrong_value_fails() -> None:
+    exact = {"y": math.sin(1.0), "v": 0.0}
+    result = check({"kind": "transient", "name": "", "inputs": EASY, "expected": exact})
+    assert not result.ok and "y: computed" in result.message
+    assert result.rtol == 1e-8
+
+
+@pytest.mark.parametrize(
+    ("case", "message"),
+    [
+        ({"kind": "tide", "inputs": {}, "expected": {}}, "unknown kind 'tide'"),
+        ({"kind": "transient", "inputs": {"B": 0.1}, "expected": {"y": 1.0}}, "input 'r' is missing"),
+        ({"kind": "transient", "inputs": {**EASY, "r": "two"}, "expected": {"y": 1.0}}, "TypeError"),
+        ({"kind": "transient", "inputs": {**EASY, "r": 0.0}, "expected": {"y": 1.0}}, "ZeroDivisionError"),
+        ({"kind": "transient", "inputs": EASY, "expected": {"heat": 1.0}}, "no value is computed for heat"),
+    ],
+)
+def test_what_cannot_be_computed_fails_with_a_reason(case: dict[str, object], message: str) -> None:
+    result = check(case)
+    assert not result.ok and message in result.message
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("{", ""),
+        ("[]", ""),
+        ('{"cases": [1]}', "cases[0]"),
+        ('{"cases": [{"kind": "x", "inputs": {}}]}', "cases[0].expected"),
+        ('{"cases": [{"kind": "x", "inputs": {}, "expected": {}, "rtol": "a"}]}', "cases[0].rtol"),
+    ],
+)
+def test_malformed_file_is_refused(tmp_path: Path, text: str, key: str) -> None:
+    file = tmp_path / "cases.json"
+    file.write_text(text)
+    with pytest.raises(SceneError) as caught:
+        verify(file)
+    assert caught.value.file == file and caught.value.key == key
+
+
+def test_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SceneError):
+        verify(tmp_path / "none.json")
+
+
+def test_other_inputs_are_followed() -> None:
+    """A plastic capture by a submersible that moves with the cradle is the continuous docking."""
+    common = {
+        "M1": 450.0, "M2": 3361.0, "K": 1000.0, "omega": 0.7, "B1": 0.2, "b2_over_b1": 2.5,
+        "y0_steady": 0.3, "v0_steady": -0.2, "t_dock": 1.5, "t_end": 20.0,
+    }  # fmt: skip
+    soft = SOLVERS["docking"]({**common, "mode": "continuous"}, {})
+    hard = SOLVERS["docking"]({**common, "mode": "plastic", "v_sub": soft["v_before"]}, {})
+    assert hard["y_end"] == pytest.approx(soft["y_end"], abs=1e-11)  # the same motion, integrated to 1e-13
+    hovering = SOLVERS["docking"]({**common, "mode": "plastic", "v_sub": 0.0}, {})
+    assert hovering["v_after"] == pytest.approx(450.0 / 3361.0 * soft["v_before"], rel=1e-14)
+    with pytest.raises(ValueError, match="mode is 'bounce'"):
+        SOLVERS["docking"]({**common, "mode": "bounce"}, {})
+
+
+def test_two_dof_without_force_stays_at_rest() -> None:
+    inputs = {"m1": 2.0, "m2": 1.0, "K1": 5.0, "K2": 1.0, "zeta1": 0.1, "B": 0.3, "w": 0.5, "tau": 7.0}
+    values = SOLVERS["two_dof_nonlinear"](inputs, {})
+    assert values["x"] == values["y"] == 0.0 and values["taut_switches"] == 0
+
+
+def test_sample_table_in_any_order() -> None:
+    inputs = {"B": 0.2, "r": 0.9, "y0": -2.4, "v0": 0.0, "T": [0.1, 0.0, 0.04, 0.1]}
+    values = SOLVERS["sample_table"](inputs, {})["Y"]
+    assert values[1] == -2.4 and values[0] == values[3]
+    # row 26 of the register, 7 digits in the listing's place
+    assert values[2] == pytest.approx(-2.32263, abs=5e-6)

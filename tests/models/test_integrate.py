@@ -1,0 +1,156 @@
+"""The integrator alone: orders, events, refusals."""
+
+import math
+
+import pytest
+
+from towage.models.integrate import DORMAND_PRINCE_5, IntegrationError, Tableau, Vector, integrate, interpolate, unrolled
+from towage.models.system import DORMAND_PRINCE_8
+
+
+def kepler(t: float, x: Vector) -> Vector:
+    """Two bodies, eccentricity 0.3 (problem class D of DETEST; T. E. Hull et al., SIAM J. Numer. Anal. 9 (1972) 603)."""
+    cube = (x[0] ** 2 + x[1] ** 2) ** 1.5
+    return x[2], x[3], -x[0] / cube, -x[1] / cube
+
+
+START = (0.7, 0.0, 0.0, math.sqrt(1.3 / 0.7))
+FAR = (-1.3, 0.0, 0.0, -math.sqrt(0.7 / 1.3))
+
+
+@pytest.mark.parametrize(("method", "order", "counts"), [(DORMAND_PRINCE_5, 5, (100, 400)), (DORMAND_PRINCE_8, 8, (8, 64))])
+def test_fitted_order(method: Tableau, order: int, counts: tuple[int, int]) -> None:
+    """Errors after half a revolution with fixed steps."""
+    step = unrolled(method, 4)
+    errors = []
+    for n in counts:
+        h, x, f = math.pi / n, START, kepler(0.0, START)
+        for k in range(n):
+            x, f, _ = step(kepler, k * h, x, f, h)  # type: ignore[assignment]
+        errors.append(math.dist(x, FAR))
+    fitted = math.log(errors[0] / errors[1]) / math.log(counts[1] / counts[0])
+    # between the first steps that resolve the orbit and round-off the local slope of the eighth-order method swings by
+    # one; over a factor of eight it averages to 7.7
+    assert fitted == pytest.approx(order, abs=0.4)
+
+
+@pytest.mark.parametrize("method", [DORMAND_PRINCE_5, DORMAND_PRINCE_8])
+def test_tableau_rows_sum_to_their_nodes(method: Tableau) -> None:
+    for c, row in zip(method.c, method.a, strict=True):
+        assert sum(row) == pytest.approx(c, abs=4e-15)  # entries up to 22 cancel
+    assert sum(method.b) == pytest.approx(1.0, abs=1e-14)
+    for error in method.error:
+        assert sum(error) == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("method", [DORMAND_PRINCE_5, DORMAND_PRINCE_8])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12])
+def test_error_follows_the_tolerance(method: Tableau, rtol: float) -> None:
+    x, _ = integrate(kepler, 0.0, START, 2.0 * math.pi, rtol=rtol, atol=(rtol,) * 4, first_step=0.01, method=method)
+    assert math.dist(x, START) < 300.0 * rtol  # a revolution amplifies local errors about a hundredfold
+
+
+@pytest.mark.parametrize("method", [DORMAND_PRINCE_5, DORMAND_PRINCE_8])
+def test_event_is_located_to_round_off(method: Tableau) -> None:
+    """x" = -x: zeros at odd multiples of pi/2."""
+    times: list[float] = []
+
+    def note(t: float, x: Vector) -> Vector:
+        times.append(t)
+        return x
+
+    def rates(t: float, x: Vector) -> Vector:
+        return x[1], -x[0]
+
+    def zero(t: float, x: Vector) -> Vector:
+        return (x[0],)
+
+    integrate(
+        rates, 0.0, (1.0, 0.0), 20.0, rtol=1e-13, atol=(1e-13, 1e-13), indicators=zero, on_event=note, method=method,
+        first_step=0.1,
+    )  # fmt: skip
+    assert len(times) == 6
+    for k, t in enumerate(times):
+        assert t == pytest.approx((k + 0.5) * math.pi, abs=2e-12)  # 20 units of time at 1e-13
+
+
+def test_kink_is_handled() -> None:
+    """x' = -|x - t| + 2: smooth pieces x = t + u, u' = 1 - |u|, from u = -1/2 over zero at ln 2... to tanh-free forms."""
+    # u < 0: u' = 1 + u, u = -1 + e^s/2, zero at ln 2; then u' = 1 - u, u = 1 - 2 e^-s
+    end = 3.0
+
+    def rates(t: float, x: Vector) -> Vector:
+        return (2.0 - abs(x[0] - t),)
+
+    exact = end + 1.0 - 2.0 * math.exp(-end)
+    counted = [0, 0]
+    for k, indicators in enumerate((None, lambda t, x: (x[0] - t,))):
+
+        def count(*step: object, k: int = k) -> None:
+            counted[k] += 1
+
+        x, _ = integrate(
+            rates, 0.0, (-0.5,), end, rtol=1e-12, atol=(1e-12,), indicators=indicators, on_step=count, first_step=0.1,
+            method=DORMAND_PRINCE_8,
+        )  # fmt: skip
+        assert x[0] == pytest.approx(exact, abs=1e-11)  # ten tolerances
+    assert counted[1] < counted[0]  # landing on the kink saves the small steps about it
+
+
+def test_two_events_inside_one_step_are_both_seen() -> None:
+    """A dip below zero that is over before a step ends: the middle of the step betrays it."""
+    seen: list[float] = []
+
+    def note(t: float, x: Vector) -> Vector:
+        seen.append(t)
+        return x
+
+    integrate(
+        lambda t, x: (1.0,), 0.0, (0.0,), 1.0, rtol=1e-9, atol=(1e-9,), first_step=1.0,
+        indicators=lambda t, x: ((x[0] - 0.4) * (x[0] - 0.6),), on_event=note,
+    )  # fmt: skip
+    assert seen == pytest.approx([0.4, 0.6], abs=1e-11)  # the bracket is 1e-12 of the step
+
+
+def test_state_may_jump_at_an_event() -> None:
+    """A ball that bounces without loss comes back: the height of x" = -1 from 1/2 has period 2."""
+    x, _ = integrate(
+        lambda t, x: (x[1], -1.0), 0.0, (0.5, 0.0), 10.0, rtol=1e-12, atol=(1e-12, 1e-12), first_step=0.1,
+        indicators=lambda t, x: (x[0],), on_event=lambda t, x: (abs(x[0]), -x[1]),
+    )  # fmt: skip
+    assert x == pytest.approx((0.5, 0.0), abs=1e-9)  # five bounces, each found to 1e-12 of a step
+
+
+def test_refusal_names_the_place() -> None:
+    """x' = x^2 from 1 has its pole at t = 1."""
+    with pytest.raises(IntegrationError, match=r"no step is small enough at t = 0\.99|steps were not enough"):
+        integrate(lambda t, x: (x[0] * x[0],), 0.0, (1.0,), 2.0, rtol=1e-9, atol=(1e-9,), first_step=0.1)
+
+
+def test_refusal_of_nan() -> None:
+    with pytest.raises(IntegrationError, match="no step is small enough at t = 0.0"):
+        integrate(lambda t, x: (math.nan,), 0.0, (1.0,), 2.0, rtol=1e-9, atol=(1e-9,))
+
+
+def test_number_of_steps_is_bounded() -> None:
+    with pytest.raises(IntegrationError, match="5 steps were not enough to reach t = 20"):
+        integrate(
+            lambda t, x: (x[1], -x[0]), 0.0, (1.0, 0.0), 20.0, rtol=1e-12, atol=(1e-12, 1e-12), max_steps=5,
+            first_step=0.01,
+        )  # fmt: skip
+
+
+def test_nothing_to_do() -> None:
+    assert integrate(lambda t, x: (1.0,), 3.0, (7.0,), 3.0, rtol=1e-6, atol=(1e-6,))[0] == (7.0,)
+
+
+def test_interpolant_is_exact_for_cubics() -> None:
+    def cubic(t: float) -> float:
+        return 1.0 + t * (2.0 + t * (-3.0 + 0.5 * t))
+
+    def slope(t: float) -> float:
+        return 2.0 + t * (-6.0 + 1.5 * t)
+
+    h = 0.8
+    value = interpolate(0.3, h, (cubic(0.0),), (slope(0.0),), (cubic(h),), (slope(h),))
+    assert value[0] == pytest.approx(cubic(0.3 * h), abs=1e-15)

@@ -1,0 +1,459 @@
+"""Hostile and broken FMUs are refused by name, before anything of them is unpacked or run; sound ones are read."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import platform
+import random
+import stat
+import struct
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import msgspec
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from towage import archive
+from towage.archive import check_platform, extract, read_description
+from towage.errors import FmuError
+
+DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Box" guid="{{1-2}}" generationTool="by hand" {root}>
+  <CoSimulation modelIdentifier="box" canGetAndSetFMUstate="true" canSerializeFMUstate="1"
+    canHandleVariableCommunicationStepSize="true" canInterpolateInputs="true" maxOutputDerivativeOrder="2"/>
+  <UnitDefinitions>
+    <Unit name="m"><BaseUnit m="1"/></Unit><Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
+    <Unit name="bare"/>
+  </UnitDefinitions>
+  <TypeDefinitions>
+    <SimpleType name="Depth"><Real unit="m" displayUnit="ft" min="-10" max="0" nominal="5"/></SimpleType>
+  </TypeDefinitions>
+  <DefaultExperiment startTime="0" stopTime="10" stepSize="0.1"/>
+  <ModelVariables>
+    <ScalarVariable name="force" valueReference="0" causality="input" description="Force"><Real start="0" unit="N"/>
+    </ScalarVariable>
+    <ScalarVariable name="depth" valueReference="1" causality="output"><Real declaredType="Depth" max="1"/>
+    </ScalarVariable>
+    <ScalarVariable name="count" valueReference="1" causality="output" variability="discrete"><Integer/></ScalarVariable>
+    <ScalarVariable name="on" valueReference="2" causality="parameter" variability="fixed"><Boolean start="true"/>
+    </ScalarVariable>
+    <ScalarVariable name="label" valueReference="3" causality="parameter" variability="tunable"><String start=" a "/>
+    </ScalarVariable>
+    <ScalarVariable name="pull" valueReference="4" causality="output"><Real/></ScalarVariable>
+    {variables}
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="2" dependencies=""/><Unknown index="3"/><Unknown index="6" dependencies="1 4"/>
+  </Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+MACHINE = 183 if platform.machine().lower() in ("arm64", "aarch64") else 62
+
+
+def xml(root: str = "", variables: str = "") -> str:
+    return DESCRIPTION.format(root=root, variables=variables)
+
+
+def elf(machine: int = MACHINE, kind: int = 3, size: int = 512) -> bytes:
+    """The smallest shared object as far as its headers go: one loadable segment over the whole file."""
+    head = b"\x7fELF\x02\x01\x01".ljust(16, b"\0")
+    head += struct.pack("<HHIQQQIHHHHHH", kind, machine, 1, 0, 64, 0, 0, 64, 56, 1, 64, 0, 0)
+    return (head + struct.pack("<IIQQQQQQ", 1, 5, 0, 0, 0, size, size, 4096)).ljust(size, b"\0")
+
+
+@pytest.fixture(autouse=True)
+def linux(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "_platform", lambda: ("linux64", ".so"))
+
+
+def build(path: Path, description: str | bytes | None = None, library: bytes | None = None, **more: bytes) -> Path:
+    """An FMU; ``more`` are further entries, '/' spelled '__'."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as fmu:
+        fmu.writestr("modelDescription.xml", xml() if description is None else description)
+        fmu.writestr("binaries/linux64/box.so", elf() if library is None else library)
+        for name, data in more.items():
+            fmu.writestr(name.replace("__", "/"), data)
+    return path
+
+
+def with_entry(path: Path, *entries: zipfile.ZipInfo | str) -> Path:
+    """A sound FMU to which entries of these names are added as they are."""
+    build(path)
+    with zipfile.ZipFile(path, "a") as fmu:
+        for entry in entries:
+            fmu.writestr(entry, b"x")
+    return path
+
+
+def assert_refused(path: Path, says: str, description_too: bool = True) -> None:
+    target = path.parent / "unpacked"
+    if description_too:
+        with pytest.raises(FmuError, match=says):
+            read_description(path)
+    with pytest.raises(FmuError, match=says) as caught:
+        extract(path, target)
+    assert str(path) in str(caught.value)
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name], "something was unpacked"
+
+
+def test_description(tmp_path: Path) -> None:
+    d = read_description(build(tmp_path / "box.fmu"))
+    assert (d.fmi_version, d.model_name, d.guid, d.model_identifier) == ("2.0", "Box", "{1-2}", "box")
+    assert d.generation_tool == "by hand" and d.platforms == ("linux64",)
+    assert d.can_get_set_state and d.can_serialize_state and d.can_interpolate_inputs and d.can_handle_variable_step
+    assert d.max_output_derivative_order == 2 and not d.needs_execution_tool
+    experiment = d.default_experiment
+    assert (experiment.start_time, experiment.stop_time, experiment.tolerance, experiment.step_size) == (
+        0,
+        10,
+        None,
+        0.1,
+    )
+    assert d.dependencies == {"depth": (), "count": None, "pull": ("force",)}
+    assert d.units["m"] == archive.UnitDefinition((0, 1, 0, 0, 0, 0, 0, 0), 1.0, 0.0)
+    assert d.units["degC"].offset == 273.15 and "bare" not in d.units
+
+
+def test_variables_with_what_their_type_adds(tmp_path: Path) -> None:
+    v = read_description(build(tmp_path / "box.fmu")).by_name()
+    depth = v["depth"]
+    assert (depth.unit, depth.display_unit, depth.min, depth.max, depth.nominal) == ("m", "ft", -10.0, 1.0, 5.0)
+    assert (depth.type, depth.value_reference, depth.causality, depth.variability) == (
+        "Real",
+        1,
+        "output",
+        "continuous",
+    )
+    assert [v[name].start for name in ("force", "on", "label", "depth")] == [0.0, True, " a ", None]
+    assert [v[name].initial for name in ("force", "on", "depth")] == ["", "exact", "calculated"]
+    assert v["force"].description == "Force" and v["force"].unit == "N" and v["pull"].unit is None
+
+
+def test_extract(tmp_path: Path) -> None:
+    path = build(tmp_path / "box.fmu", resources__data__table=b"1 2 3")
+    extract(path, tmp_path / "cache" / "box")
+    assert (tmp_path / "cache/box/resources/data/table").read_bytes() == b"1 2 3"
+    assert (tmp_path / "cache/box/binaries/linux64/box.so").read_bytes() == elf()
+    assert os.listdir(tmp_path / "cache") == ["box"]
+
+
+def test_extract_into_an_empty_directory(tmp_path: Path) -> None:
+    (tmp_path / "box").mkdir()
+    extract(build(tmp_path / "box.fmu"), tmp_path / "box")
+    assert (tmp_path / "box/modelDescription.xml").is_file()
+
+
+def test_extract_again_keeps_what_is_there_and_refuses_another_fmu(tmp_path: Path) -> None:
+    path, target = build(tmp_path / "box.fmu"), tmp_path / "box"
+    extract(path, target)
+    (target / "log.txt").write_text("written by the unit")
+    extract(path, target)
+    assert (target / "log.txt").exists()
+    with pytest.raises(FmuError, match="holds something else"):
+        extract(build(tmp_path / "other.fmu", xml('author="x"')), target)
+    (target / "binaries/linux64/box.so").write_bytes(b"tampered".ljust(512))
+    with pytest.raises(FmuError, match="holds something else"):
+        extract(path, target)
+    assert sorted(os.listdir(tmp_path)) == ["box", "box.fmu", "other.fmu"]
+
+
+def _extract(path: Path, target: Path) -> None:
+    archive._platform = lambda: ("linux64", ".so")
+    for _ in range(20):
+        extract(path, target)
+
+
+def test_processes_that_extract_at_once_all_succeed(tmp_path: Path) -> None:
+    path = build(tmp_path / "box.fmu", resources__noise=random.Random(1).randbytes(2_000_000))
+    context = multiprocessing.get_context("spawn")
+    workers = [context.Process(target=_extract, args=(path, tmp_path / "box")) for _ in range(3)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join(60)
+    assert [worker.exitcode for worker in workers] == [0, 0, 0]
+    assert sorted(os.listdir(tmp_path)) == ["box", "box.fmu"]
+
+
+def test_loser_of_a_race_succeeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, target, unpack = build(tmp_path / "box.fmu"), tmp_path / "box", archive._unpack
+
+    def overtaken(fmu: zipfile.ZipFile, scratch: Path) -> None:
+        monkeypatch.setattr(archive, "_unpack", unpack)
+        extract(path, target)
+        unpack(fmu, scratch)
+
+    monkeypatch.setattr(archive, "_unpack", overtaken)
+    extract(path, target)
+    assert sorted(os.listdir(tmp_path)) == ["box", "box.fmu"]
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [("../evil", "leaves"), ("resources/../../evil", "leaves"), ("/etc/evil", "absolute"), ("C:/evil", "absolute"),
+     ("c:evil", "absolute"), ("..\\evil", "portable"), ("resources/a:b", "portable"), ("resources/./a", "portable"),
+     ("resources//a", "portable"), ("resources/nul\x01", "portable"), ("resources/a.", "portable"),
+     ("MODELDESCRIPTION.xml", "collides"), ("Binaries/win64/box.dll", "collides"), ("modelDescription.xml/a", "collides")],
+)  # fmt: skip
+def test_hostile_names(tmp_path: Path, name: str, says: str) -> None:
+    assert_refused(with_entry(tmp_path / "box.fmu", name), says)
+
+
+def test_nul_in_a_name(tmp_path: Path) -> None:
+    path = with_entry(tmp_path / "box.fmu", "resources/aZb")
+    path.write_bytes(path.read_bytes().replace(b"resources/aZb", b"resources/a\0b"))
+    assert_refused(path, "portable|damaged")
+
+
+def test_names_that_differ_in_unicode_form_only(tmp_path: Path) -> None:
+    assert_refused(with_entry(tmp_path / "box.fmu", "resources/\u00e9", "resources/e\u0301"), "collides")
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_duplicate_names(tmp_path: Path) -> None:
+    assert_refused(with_entry(tmp_path / "box.fmu", "resources/a", "resources/a"), "occurs twice")
+
+
+@pytest.mark.parametrize(("mode", "says"), [(stat.S_IFLNK, "symbolic link"), (stat.S_IFIFO, "regular file")])
+def test_links_and_devices(tmp_path: Path, mode: int, says: str) -> None:
+    entry = zipfile.ZipInfo("resources/link")
+    entry.external_attr = (mode | 0o777) << 16
+    assert_refused(with_entry(tmp_path / "box.fmu", entry), says)
+
+
+def test_other_compression(tmp_path: Path) -> None:
+    entry = zipfile.ZipInfo("resources/a")
+    entry.compress_type = zipfile.ZIP_LZMA
+    assert_refused(with_entry(tmp_path / "box.fmu", entry), "method 14")
+
+
+def test_encrypted_entry(tmp_path: Path) -> None:
+    path = build(tmp_path / "box.fmu")
+    data = bytearray(path.read_bytes())
+    data[data.index(b"PK\x01\x02") + 8] |= 1
+    path.write_bytes(data)
+    assert_refused(path, "encrypted")
+
+
+def test_too_many_entries(tmp_path: Path) -> None:
+    assert_refused(with_entry(tmp_path / "box.fmu", *(f"resources/{i}" for i in range(10_000))), "more than 10000")
+
+
+def _declare_size(path: Path, name: bytes, size: int) -> None:
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<I", data, data.rindex(name) - 46 + 24, size)
+    path.write_bytes(data)
+
+
+def test_bomb_by_size(tmp_path: Path) -> None:
+    path = build(tmp_path / "box.fmu", resources__zeros=b"\0" * 1000)
+    _declare_size(path, b"resources/zeros", 600 * 2**20)
+    assert_refused(path, "over 512: refused as a bomb")
+
+
+def test_bomb_by_ratio(tmp_path: Path) -> None:
+    assert_refused(build(tmp_path / "box.fmu", resources__zeros=bytes(20 * 2**20)), "times its size: refused as a bomb")
+
+
+def test_bomb_that_understates_its_size(tmp_path: Path) -> None:
+    path = build(tmp_path / "box.fmu", resources__zeros=bytes(20 * 2**20))
+    _declare_size(path, b"resources/zeros", 1000)
+    assert_refused(path, "damaged", description_too=False)
+
+
+def test_small_file_of_zeros_is_no_bomb(tmp_path: Path) -> None:
+    path = build(tmp_path / "box.fmu", resources__zeros=bytes(4 * 2**20))
+    assert 4 * 2**20 > 200 * path.stat().st_size
+    extract(path, tmp_path / "box")
+    assert (tmp_path / "box/resources/zeros").stat().st_size == 4 * 2**20
+
+
+DOCTYPE = '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]>'
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_doctype(tmp_path: Path, encoding: str) -> None:
+    head, rest = xml().replace("UTF-8", encoding).split("?>", 1)
+    assert_refused(build(tmp_path / "box.fmu", (head + "?>" + DOCTYPE + rest).encode(encoding)), "DOCTYPE")
+
+
+@pytest.mark.parametrize("cut", [0, 10, 100, 400, -1, -30])
+def test_truncated_archive(tmp_path: Path, cut: int) -> None:
+    path = build(tmp_path / "box.fmu")
+    path.write_bytes(path.read_bytes()[:cut])
+    assert_refused(path, "damaged or truncated")
+
+
+def test_crc_error(tmp_path: Path) -> None:
+    noise = random.Random(1).randbytes(5000)
+    path = build(tmp_path / "box.fmu", resources__noise=noise)
+    path.write_bytes(path.read_bytes().replace(noise[2000:2010], bytes(10)))
+    assert read_description(path).model_name == "Box"
+    assert_refused(path, "damaged or truncated archive .*CRC", description_too=False)
+
+
+def test_no_file_and_a_directory(tmp_path: Path) -> None:
+    for path, says in ((tmp_path / "none.fmu", "no such file"), (tmp_path, "cannot be read")):
+        with pytest.raises(FmuError, match=says):
+            read_description(path)
+
+
+def test_missing_description(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "box.fmu", "w") as fmu:
+        fmu.writestr("sub/modelDescription.xml", xml())
+    assert_refused(tmp_path / "box.fmu", r"no modelDescription\.xml")
+
+
+CO_SIMULATION = xml()[xml().index("<CoSimulation") : xml().index("<UnitDefinitions")]
+EXTRA = '<ScalarVariable name="extra" valueReference="9" {}'
+
+
+@pytest.mark.parametrize(
+    ("description", "says"),
+    [
+        ("", "well-formed"),
+        ("<a><b></a>", "well-formed"),
+        (xml()[:-30], "well-formed"),
+        (xml().replace("UTF-8", "martian"), "well-formed"),
+        (xml() + "<more/>", "well-formed"),
+        ("<other/>", "expected 'fmiModelDescription'"),
+        (xml().replace('fmiVersion="2.0"', 'fmiVersion="3.0"'), "FMI version '3.0' is not supported"),
+        (xml().replace('fmiVersion="2.0"', 'fmiVersion="1.0"'), "FMI version '1.0' is not supported"),
+        (xml().replace(CO_SIMULATION, '<ModelExchange modelIdentifier="box"/>'), "model exchange is not supported"),
+        (xml().replace('"box"', '"../../box"'), "not a C identifier"),
+        (xml().replace('modelName="Box"', ""), "'modelName' is missing"),
+        (xml().replace('guid="{1-2}"', ""), "'guid' is missing"),
+        (xml().replace('Order="2"', 'Order="two"'), "maxOutputDerivativeOrder='two', expected int"),
+        (xml().replace('state="1"', 'state="yes"'), "canSerializeFMUstate='yes', expected boolean"),
+        (xml().replace('offset="273.15"', 'factor="0"'), "'degC' has factor 0"),
+        (xml(variables=EXTRA.format("><Real/></ScalarVariable>").replace("extra", "depth")), "'depth' is declared twice"),
+        (xml(variables=EXTRA.format("/>")), "exactly one type"),
+        (xml(variables=EXTRA.format("><Real/><Integer/></ScalarVariable>")), "exactly one type"),
+        (xml(variables=EXTRA.format("><Real/></ScalarVariable>").replace('"9"', '"-1"')), "value reference"),
+        (xml(variables=EXTRA.format("><Real/></ScalarVariable>").replace('"9"', '"x"')), "'extra': .*valueReference='x'"),
+        (xml(variables=EXTRA.format('><Real start="x"/></ScalarVariable>')), "start='x', expected float"),
+        (xml(variables=EXTRA.format('><Integer start="1.5"/></ScalarVariable>')), "start='1.5', expected int"),
+        (xml(variables=EXTRA.format('><Integer declaredType="Depth"/></ScalarVariable>')), "declaredType 'Depth'"),
+        (xml().replace('index="2"', 'index="7"'), "names variable '7', expected 1 to 6"),
+        (xml().replace('index="2"', 'index="0"'), "names variable '0'"),
+        (xml().replace('index="2"', 'index="1"'), "lists 'force' as an output"),
+        (xml().replace('"1 4"', '"1 x"'), "names variable 'x'"),
+    ],
+)  # fmt: skip
+def test_invalid_description(tmp_path: Path, description: str, says: str) -> None:
+    assert description != xml()
+    assert_refused(build(tmp_path / "box.fmu", description), says)
+
+
+def test_no_binary_for_this_platform(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = build(tmp_path / "box.fmu")
+    monkeypatch.setattr(archive, "_platform", lambda: ("darwin64", ".dylib"))
+    with pytest.raises(FmuError, match=r"no binary for darwin64 .*present: linux64\. "):
+        check_platform(read_description(path))
+    assert_refused(path, "no binary for darwin64", description_too=False)
+
+
+def test_platforms_count_only_libraries_of_the_model(tmp_path: Path) -> None:
+    path = with_entry(tmp_path / "box.fmu", "binaries/win64/box.dll", "binaries/win32/other.dll", "binaries/darwin64/")
+    assert read_description(path).platforms == ("linux64", "win64")
+    assert check_platform(read_description(path)) == "linux64"
+
+
+@pytest.mark.parametrize(
+    ("library", "says"),
+    [
+        (b"", "no ELF header"),
+        (b"MZ" + bytes(500), "no ELF header"),
+        (elf()[:40], "truncated header"),
+        (elf()[:100], "header tables lie beyond"),
+        (elf()[:300], "a segment ends beyond"),
+        (elf(machine=8), "another processor"),
+        (elf(kind=2), "no shared object"),
+        (b"\x7fELF\x01" + elf()[5:], "not 64-bit little-endian"),
+        (b"\x7fELF\x02\x02" + elf()[6:], "not 64-bit little-endian"),
+        (elf()[:40] + struct.pack("<Q", 2**63) + elf()[48:], "header tables lie beyond"),
+    ],
+)
+def test_truncated_or_foreign_elf(tmp_path: Path, library: bytes, says: str) -> None:
+    assert_refused(build(tmp_path / "box.fmu", library=library), says, description_too=False)
+
+
+def pe(machine: int = 0x8664, size: int = 512) -> bytes:
+    head = (
+        b"MZ".ljust(60, b"\0") + struct.pack("<I", 64) + b"PE\0\0" + struct.pack("<HHIIIHH", machine, 1, 0, 0, 0, 0, 0)
+    )
+    return (head + b".text\0\0\0" + struct.pack("<IIII", 0, 0, 200, 312)).ljust(size, b"\0")
+
+
+def mach_o(processor: int = 0x01000007, size: int = 512) -> bytes:
+    head = struct.pack("<IIIIIIII", 0xFEEDFACF, processor, 3, 6, 1, 72, 0, 0)
+    return (head + struct.pack("<II16sQQQQIIII", 0x19, 72, b"", 0, 0, 0, 512, 0, 0, 0, 0)).ljust(size, b"\0")
+
+
+def fat(*slices: tuple[int, bytes]) -> bytes:
+    head, body = struct.pack(">II", 0xCAFEBABE, len(slices)), b""
+    for kind, data in slices:
+        head += struct.pack(">IIIII", kind, 0, 8 + 20 * len(slices) + len(body), len(data), 0)
+        body += data
+    return head + body
+
+
+@pytest.mark.parametrize(
+    ("library", "says"),
+    [(pe(), ""), (pe(machine=0x14C), "another processor"), (pe()[:400], "truncated"), (elf(), "no PE header"),
+     (pe()[:70], "truncated header")],
+)  # fmt: skip
+def test_windows_libraries(library: bytes, says: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "_platform", lambda: ("win64", ".dll"))
+    monkeypatch.setattr(platform, "machine", lambda: "AMD64")
+    problem = archive._binary_problem(library)
+    assert says in problem and bool(says) == bool(problem)
+
+
+@pytest.mark.parametrize(
+    ("library", "says"),
+    [(mach_o(0x0100000C), ""), (mach_o(), "another processor"), (mach_o(0x0100000C)[:400], "truncated"),
+     (elf(), "no 64-bit Mach-O"), (mach_o(0x0100000C)[:60], "truncated"),
+     (fat((0x01000007, mach_o()), (0x0100000C, mach_o(0x0100000C))), ""), (fat((0x01000007, mach_o())), "no slice"),
+     (fat((0x01000007, mach_o()), (0x0100000C, mach_o(0x0100000C)))[:-9], "truncated")],
+)  # fmt: skip
+def test_mac_libraries(library: bytes, says: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "_platform", lambda: ("darwin64", ".dylib"))
+    monkeypatch.setattr(platform, "machine", lambda: "arm64")
+    problem = archive._binary_problem(library)
+    assert says in problem and bool(says) == bool(problem)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for an ELF extension module")
+def test_real_library_is_accepted_whole_and_refused_in_part() -> None:
+    data = next(Path(msgspec.__file__).parent.glob("_core*.so")).read_bytes()
+    assert archive._binary_problem(data) == ""
+    assert "truncated" in archive._binary_problem(data[: len(data) // 2])
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=150)
+@given(st.data())
+def test_any_damage_is_refused_or_harmless(tmp_path: Path, data: st.DataObject) -> None:
+    path = tmp_path / "box.fmu"
+    whole = bytearray(build(path).read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        whole[data.draw(st.integers(0, len(whole) - 1))] = data.draw(st.integers(0, 255))
+    path.write_bytes(whole[: data.draw(st.integers(len(whole) // 2, len(whole)))])
+    try:
+        assert read_description(path).model_identifier
+        assert archive.check_platform(read_description(path)) == "linux64"
+    except FmuError as error:
+        assert str(path) in str(error)
+
+
+def test_import_is_light() -> None:
+    code = (
+        "import sys, towage.archive, towage.errors, towage.scene, towage.fmus.quantities\n"
+        "print([m for m in ('numpy', 'scipy', 'fmpy', 'matplotlib', 'pythonfmu', 'lxml') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

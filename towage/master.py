@@ -1,0 +1,229 @@
+"""Runs a scene and judges it: checks before, the coupled run, its error estimate, the one-way shadow run, the verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import checks, judge, sdof
+from .errors import RunError, SceneError
+from .recorder import Recorder
+from .result import Check, Margin, Result, Verdict
+from .scene import ResolvedScene, Scene
+from .schemes import ORDERS
+from .simulation import Run, Settings, simulate
+from .store import cache, locator
+from .system import System
+
+Array = NDArray[np.float64]
+DEFAULT_POINTS = 2000
+"""Record times of a run with error control and no ``record.interval``."""
+Report = Callable[[float, str], None]
+
+
+class Master:
+    """A scene (one case of it) ready to run.
+
+    Raises `SceneError` and `FmuError` if the scene does not fit its units. `run` raises the same for a scene that the
+    checks before the run refuse; a run that fails on its way comes back as a result with status "failed" and what was
+    recorded until then.
+    """
+
+    def __init__(self, scene: Scene, case: str | None = None, fmus: Path | None = None) -> None:
+        self.case = case or (scene.cases[0].name if len(scene.cases) == 1 else "")
+        self.scene = scene.case(case) if case else scene
+        self._locate = locator(fmus)
+        self.resolved = self.scene.resolve(self._locate)
+
+    def run(self, report: Report | None = None, journal: Path | None = None) -> Result:
+        """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk."""
+        say = report or (lambda share, text: None)
+        system = self._system(self.resolved)
+        try:
+            settings, before = self._settings(system)
+            result = self._result(settings, before)
+            recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs], journal)
+            stop = settings.stop_time
+            extra = self.scene.coupling.error_estimate, self.scene.checks.sdof is not None
+            share = 1.0 / (1.0 + 0.5 * extra[0] + extra[1])
+            try:
+                run = simulate(system, settings, recorder, lambda t: say(share * t / stop, "coupled run"))
+            except RunError as error:
+                result.status, result.message = "failed", str(error)
+                result.verdict = Verdict("not judged", "the run failed", None, None)
+                run = getattr(error, "run", Run())
+            finally:
+                recorder.close()
+            result.time, columns = recorder.columns()
+            recorded = [f"{u}.{v}" for u, v in self.resolved.record]
+            self._fill(result, system, run, columns, recorded)
+            if result.status == "failed":
+                return result
+            if extra[0]:
+                say(share, "error estimate")
+                result.coupling_error = self._error(settings, result.time, columns, recorded)
+            if extra[1]:
+                say(share * (1.0 + 0.5 * extra[0]), "one-way run")
+                self._compare(result, settings, system, columns, recorded)
+            result.margins = judge.margins(self.resolved, result.time, {n: columns[n] for n in recorded})
+            result.verdict = judge.verdict(result.comparison, result.margins)
+            say(1.0, "done")
+            return result
+        finally:
+            system.close()
+
+    def check(self) -> list[Check]:
+        """The checks before a run, without running."""
+        system = self._system(self.resolved)
+        try:
+            return self._settings(system, refuse=False)[1] + sdof.before_run(system, self.scene.checks.sdof)
+        finally:
+            system.close()
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    def _system(self, resolved: ResolvedScene) -> System:
+        """The units, initialised. Branches are frozen over a step where the master will look after events."""
+        freeze = self.scene.coupling.events and ORDERS.get(self.scene.coupling.scheme, 2) > 1
+        system = System(resolved, cache() / "unpacked", freeze)
+        try:
+            system.start(0.0, self.scene.stop_time)
+        except BaseException:
+            system.close()
+            raise
+        return system
+
+    def _settings(self, system: System, refuse: bool = True) -> tuple[Settings, list[Check]]:
+        """How to couple, and the checks that led to it."""
+        coupling, stop = self.scene.coupling, self.scene.stop_time
+        found = checks.loops(system)
+        step = coupling.step
+        scheme, before = coupling.scheme, []
+        if scheme == "auto":
+            scheme, why = checks.choose_scheme(system, found, step or 0.0)
+            before.append(Check("scheme", "info", None, None, f"auto: {scheme}, because {why}"))
+        elif scheme in ("hermite", "implicit") and not system.can_roll_back:
+            stuck = ", ".join(u.name for u in system.units if not u.can_roll_back)
+            raise SceneError(
+                f"{scheme} needs units that save and restore their state, {stuck} cannot: use 'extrapolate'",
+                file=self.scene.file, key="coupling.scheme",
+            )  # fmt: skip
+        if step is None and not system.can_roll_back:
+            raise SceneError("error control needs units that save and restore their state: give a step instead",
+                             file=self.scene.file, key="coupling.tolerance")  # fmt: skip
+        max_step = step or min(stop / 50.0, checks.largest_step(found, scheme))
+        before += checks.before_run(system, found, scheme, max_step)
+        refused = [c for c in before if c.level == "refused"]
+        if refused and refuse:
+            raise SceneError(refused[0].message, file=self.scene.file, key="coupling.step")
+        interval = self.scene.record.interval or step or stop / DEFAULT_POINTS
+        settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop)
+        return settings, before
+
+    def _result(self, settings: Settings, before: list[Check]) -> Result:
+        return Result(
+            title=self.scene.title, case=self.case, scheme=settings.scheme, status="done", message="",
+            time=np.empty(0), columns={}, units={}, checks=before, scene_source=self.scene.source,
+        )  # fmt: skip
+
+    def _fill(
+        self, result: Result, system: System, run: Run, columns: dict[str, Array], recorded: list[str]
+    ) -> None:
+        result.columns = {n: columns[n] for n in recorded}
+        result.units = {
+            f"{u}.{v}": self.resolved.units[u].description.by_name()[v].unit or "" for u, v in self.resolved.record
+        }
+        result.events = run.events
+        result.step_sizes = np.array(run.steps)
+        result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}
+        result.statistics = {
+            "steps": float(len(run.steps)), "rejected": float(run.rejected), "events_located": float(run.located),
+            "wall_s": run.wall, "cpu_s": run.cpu,
+            "real_time_factor": run.time / run.wall if run.wall else math.nan,
+        }  # fmt: skip
+
+    def _second_run(self, scene: Scene, settings: Settings) -> tuple[Array, dict[str, Array]]:
+        """Another run, silent: (time, columns)."""
+        system = self._system(scene.resolve(self._locate))
+        recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
+        try:
+            simulate(system, settings, recorder)
+        finally:
+            system.close()
+        return recorder.columns()
+
+    def _error(
+        self, settings: Settings, time: Array, columns: dict[str, Array], recorded: list[str]
+    ) -> dict[str, float]:
+        """Largest difference to a run with doubled step (tenfold tolerance) on the common times, relative to the
+        variable's largest value, over 2^p - 1."""
+        doubled: dict[str, Any] = {
+            "step": None if settings.step is None else 2.0 * settings.step,
+            "tolerance": None if settings.tolerance is None else 10.0 * settings.tolerance,
+            "max_step": 2.0 * settings.max_step,
+        }
+        order = ORDERS[settings.scheme] if settings.step else 0.0
+        if settings.step:
+            doubled["record_interval"] = max(settings.record_interval, 2.0 * settings.step)
+        coarse = Settings(**{**vars(settings), **doubled})
+        try:
+            coarse_time, coarse_columns = self._second_run(self.scene, coarse)
+        except RunError:
+            return {}
+        _, here, there = np.intersect1d(np.round(time, 9), np.round(coarse_time, 9), return_indices=True)
+        share = 1.0 / (2.0**order - 1.0) if order else 1.0
+        sources = {f"{c.source_unit}.{c.source}" for c in self.resolved.connections}
+        found = {}
+        for name in recorded:
+            scale = float(np.max(np.abs(columns[name]), initial=0.0))
+            if name in sources and scale:
+                found[name] = share * float(np.max(np.abs(columns[name][here] - coarse_columns[name][there]))) / scale
+        return found
+
+    def _compare(
+        self, result: Result, settings: Settings, system: System, columns: dict[str, Array], recorded: list[str]
+    ) -> None:
+        check = self.scene.checks.sdof
+        assert check is not None
+        one_way_scene = self.scene.without(check.cut)
+        try:
+            time, one_way = self._second_run(one_way_scene, settings)
+        except RunError as error:
+            result.checks.append(Check("one-way run", "warning", None, None, f"failed: {error}"))
+            return
+        n = min(len(time), len(result.time))
+        if n < len(result.time):
+            result.checks.append(Check("one-way run", "warning", None, None, "ended early"))
+            return
+        result.one_way = {name: one_way[name] for name in recorded if name in one_way}
+        settled = time >= check.settle
+        omega = judge.dominant_frequency(time[settled], one_way[check.driver][settled])
+        stiffness = judge.dynamic_stiffness(system, check, omega)
+        result.checks += sdof.before_run(system, check)
+        result.comparison = judge.compare(check, time, columns, one_way, sdof.theory(system, check), stiffness)
+        result.response = sdof.response(system, check, omega, one_way, time)
+
+
+def run(scene: Scene | str | Path, case: str | None = None, report: Report | None = None) -> Result:
+    """Run a scene (its path or name), or one case of it."""
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    return Master(loaded, case).run(report)
+
+
+def run_all(scene: Scene | str | Path, report: Report | None = None) -> list[Result]:
+    """Run every case of a scene."""
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    return [Master(loaded, name).run(report) for name in [c.name for c in loaded.cases] or [None]]
+
+
+def worst_margin(results: list[Result]) -> Margin | None:
+    """The smallest deciding margin of several results."""
+    found = [m for r in results if (m := r.worst_margin())]
+    return min(found, key=lambda m: m.worst, default=None)
+
+

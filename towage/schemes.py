@@ -1,0 +1,160 @@
+"""The coupling schemes: one communication step each.
+
+| scheme | what it does | step calls | order |
+|---|---|---|---|
+| ``hermite`` | predictor as in ``extrapolate``, then one corrector on cubic Hermite signals, with rollback | 2 | 4 |
+| ``extrapolate`` | quadratic from value, rate and previous value; what has been stepped is interpolated | 1 | 3 |
+| ``implicit`` | corrector repeated to a tolerance, accelerated by a quasi-Newton (IQN-ILS) update | 3 and more | 4 |
+| ``jacobi`` | every unit sees its inputs held at the communication point (as libcosim's fixed step) | 1 | 1 |
+| ``gauss-seidel`` | units in order, inputs held at their newest value | 1 | 1 |
+
+Orders are those of the global error for smooth signals with rates (measured: ``benchmarks/coupling.py``). A scheme
+returns its error estimate for the step, relative to the largest value of each signal: predictor against corrector where
+there is a corrector, else the interface residual |u(end used) - u(end found)| scaled by (H w)^2/2, w being the frequency
+of the interface loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .errors import RunError
+from .system import Signal, System
+
+Scheme = Callable[[System, float, float], float]
+FLOOR = 1e-3
+MAX_ITERATIONS = 50
+ITERATION_TOLERANCE = 1e-11
+RESIDUAL_WEIGHT = 0.05
+
+
+def jacobi(system: System, time: float, step: float) -> float:
+    """Zero-order hold, all units side by side. Creates energy: for comparison with other tools only."""
+    for s in system.signals:
+        system.hold(s)
+    for i in system.order:
+        system.advance(i, time, step)
+    return _residual(system.signals, step)
+
+
+def gauss_seidel(system: System, time: float, step: float) -> float:
+    """Zero-order hold of the newest values, one unit after the other. For comparison only."""
+    for s in system.signals:
+        system.hold(s)
+    done: set[int] = set()
+    for i in system.order:
+        for s in system.into[i]:
+            if s.source in done:
+                s.polynomial = (s.end_value, 0.0, 0.0, 0.0)
+        system.advance(i, time, step)
+        done.add(i)
+    return _residual(system.signals, step)
+
+
+def extrapolate(system: System, time: float, step: float) -> float:
+    """Explicit, order 3."""
+    for s in system.backward:
+        system.extrapolate(s)
+    _pass(system, time, step)
+    return RESIDUAL_WEIGHT * _residual(system.backward, step)
+
+
+def hermite(system: System, time: float, step: float) -> float:
+    """Predictor and exactly one corrector, order 4."""
+    extrapolate(system, time, step)
+    if not system.looped:
+        return 0.0
+    predicted = [(s, s.end_value) for i in system.looped for s in system.out[i]]
+    _correct(system, time, step)
+    return max(abs(s.end_value - before) / max(s.scale, FLOOR) for s, before in predicted)
+
+
+def implicit(system: System, time: float, step: float) -> float:
+    """Corrector to convergence: unknown are the end values and rates of the signals that run backward."""
+    extrapolate(system, time, step)
+    if not system.looped:
+        return 0.0
+    predicted = [(s, s.end_value) for i in system.looped for s in system.out[i]]
+    weights = np.array([w / max(s.scale, FLOOR) for s in system.backward for w in ((1.0, step) if s.rated else (1.0,))])
+    used, found = _ends(system), _ends(system)
+    inputs: list[Any] = []
+    residuals: list[Any] = []
+    results: list[Any] = []
+    for _ in range(MAX_ITERATIONS):
+        _set_ends(system, used)
+        _correct(system, time, step)
+        found = _ends(system)
+        residual = (found - used) * weights
+        if not np.all(np.isfinite(residual)):
+            break
+        if float(np.max(np.abs(residual))) < ITERATION_TOLERANCE:
+            return max(abs(s.end_value - before) / max(s.scale, FLOOR) for s, before in predicted)
+        inputs.append(used)
+        residuals.append(residual)
+        results.append(found)
+        used = found
+        if len(residuals) > 1:
+            differences = np.array([r - residual for r in residuals[:-1]]).T
+            mixture = np.linalg.lstsq(differences, -residual, rcond=1e-10)[0]
+            used = found + np.array([r - found for r in results[:-1]]).T @ mixture
+    raise RunError(
+        f"the coupling did not converge in {MAX_ITERATIONS} iterations at a step of {step:g} s: try a smaller step, or "
+        "join the tightly coupled units (cradle_on_line for a cradle on a stiff line)",
+        time=time,
+    )
+
+
+def _ends(system: System) -> Any:
+    return np.array([x for s in system.backward for x in ((s.end_value, s.end_rate) if s.rated else (s.end_value,))])
+
+
+def _set_ends(system: System, values: Any) -> None:
+    k = 0
+    for s in system.backward:
+        s.end_value = float(values[k])
+        k += 1
+        if s.rated:
+            s.end_rate = float(values[k])
+            k += 1
+
+
+def _correct(system: System, time: float, step: float) -> None:
+    """Step the looped units again, with both ends of every input known."""
+    system.restore(system.looped)
+    for i in system.looped:
+        for s in system.into[i]:
+            system.interpolate(s, step)
+        system.advance(i, time, step)
+
+
+def _pass(system: System, time: float, step: float) -> None:
+    """All units in order; signals that do not run backward come from units already stepped."""
+    for i in system.order:
+        for s in system.into[i]:
+            if not s.backward:
+                system.interpolate(s, step)
+        system.advance(i, time, step)
+
+
+def _residual(signals: list[Signal], step: float) -> float:
+    """Largest difference between the end of a signal as used and as found, relative to its scale."""
+    worst = 0.0
+    for s in signals:
+        a0, a1, a2, a3 = s.polynomial
+        gap = abs(a0 + step * (a1 + step * (a2 + step * a3)) - s.end_value) / max(s.scale, FLOOR)
+        worst = gap if gap > worst else worst
+    return worst
+
+
+SCHEMES: dict[str, Scheme] = {
+    "hermite": hermite,
+    "extrapolate": extrapolate,
+    "implicit": implicit,
+    "jacobi": jacobi,
+    "gauss-seidel": gauss_seidel,
+}
+ORDERS = {"hermite": 4, "extrapolate": 3, "implicit": 4, "jacobi": 1, "gauss-seidel": 1}
+"""Order of the global error of each scheme."""
