@@ -12,9 +12,11 @@ Not to be confused with the exact steps of the linear models, which have an ``ad
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, Callable, Sequence
+from functools import cache
+from typing import Any
 
 Vector = tuple[float, ...]
 Rates = Callable[[float, Vector], Sequence[float]]
@@ -59,7 +61,7 @@ DORMAND_PRINCE_5 = Tableau(
 Step = Callable[[Rates, float, Vector, Sequence[float], float], tuple[Vector, Sequence[float], tuple[Vector, ...]]]
 
 
-@lru_cache(maxsize=None)
+@cache
 def unrolled(method: Tableau, n: int) -> Step:
     """The step of ``method`` for ``n`` components: (f, t, x, f(t, x), h) -> (x(t + h), f there, error vectors)."""
 
@@ -95,7 +97,7 @@ def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: 
     first, second = worst
     if len(errors) == 1 or first == 0.0:
         return first
-    return float(first * first / (first * first + 0.01 * second * second) ** 0.5)
+    return first * (first / math.hypot(first, 0.1 * second))
 
 
 def integrate(
@@ -116,9 +118,9 @@ def integrate(
     """Integrate x' = rates(t, x) from ``t`` to ``t_end``; returns (x(t_end), a step to begin the next call with).
 
     At each zero of an indicator the step ends just beyond it and ``on_event(t, x) -> x`` is called, which may change x
-    and the branch that ``rates`` uses. ``on_step(t0, x0, f0, t1, x1, f1)`` sees every accepted step. ``rtol`` is relative
-    to each component, ``atol`` absolute per component. Raises `IntegrationError` when no step is small enough or
-    ``max_steps`` are not enough.
+    and the branch that ``rates`` uses. ``on_step(t0, x0, f0, t1, x1, f1)`` sees every accepted step. ``rtol`` is
+    relative to each component, ``atol`` absolute per component. Raises `IntegrationError` when no step is small enough
+    or ``max_steps`` are not enough.
     """
     step = unrolled(method, len(x))
     exponent = -1.0 / method.order
@@ -157,11 +159,10 @@ def integrate(
         # a step cut short by t_end or an event says nothing against the longer step that was tried before
         h = max(h, grown) if trial < h else grown
         t, x, f = landing, y, f_new
-        if event:
-            if on_event:
-                x = on_event(t, x)
-                f = rates(t, x)
-                g = indicators(t, x) if indicators else ()
+        if event and on_event:
+            x = on_event(t, x)
+            f = rates(t, x)
+            g = indicators(t, x) if indicators else ()
 
 
 def interpolate(s: float, h: float, x: Vector, f: Sequence[float], y: Vector, f_new: Sequence[float]) -> Vector:
@@ -202,8 +203,9 @@ def _locate(
 ) -> tuple[float, Vector, Sequence[float], Sequence[float]]:
     """The step that ends just beyond the first zero: (length, state, rates, indicators) there.
 
-    Bracketing by true steps with the Illinois rule on the indicator that changes first, until the bracket is shorter
-    than 1e-12 of the step or 4 units in the last place of the time.
+    Bracketing by true steps with the Illinois rule on the indicator that changes first, and bisection where that rule
+    does not halve the bracket in two steps, until it is shorter than 1e-12 of the step or 4 units in the last place of
+    the time.
     """
 
     def ahead(s: float) -> tuple[Vector, Sequence[float], Sequence[float], int]:
@@ -222,10 +224,15 @@ def _locate(
             return h, *ahead(h)[:3]
     g_low, g_high, last = g[which], g_new[which], 0
     width = max(1e-12 * h, 1e-15 * abs(t))
-    for _ in range(60):
-        if high - low <= width:
+    slow = 0
+    for _ in range(200):
+        size = high - low
+        if size <= width:
             break
-        s = high - g_high * (high - low) / (g_high - g_low) + 0.3 * width
+        if slow < 2:
+            s = high - g_high * size / (g_high - g_low) + 0.3 * width
+        else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
+            s, slow = low + 0.5 * size, 0
         s = min(max(s, low + 0.5 * width), high - 0.5 * width)
         y_s, f_s, g_s, changed = ahead(s)
         if changed < 0:
@@ -235,8 +242,10 @@ def _locate(
         elif changed != which:  # another indicator changes before this one
             high, y, f_new, g_new, which = s, y_s, f_s, g_s, changed
             low, g_low, g_high, last = 0.0, g[which], g_s[which], 0
+            size = 2.0 * high
         else:
             high, y, f_new, g_new, g_high = s, y_s, f_s, g_s, g_s[which]
             g_low *= 0.5 if last > 0 else 1.0
             last = 1
+        slow = slow + 1 if high - low > 0.5 * size else 0
     return high, y, f_new, g_new

@@ -1,6 +1,7 @@
 """How far the line moves the ship: the theory of the assumption of a single degree of freedom (SDOF).
 
-    D1 X = D1 X0 - D2 X,   D1 = K1 - m1 omega^2 + i omega c1,   D2 = K2 (1 - G),   G = Y/X = K2/(K2 - m2 omega^2 + i omega c)
+    D1 X = D1 X0 - D2 X,    D1 = K1 - m1 omega^2 + i omega c1,    D2 = K2 (1 - G)
+    G = Y/X = K2/(K2 - m2 omega^2 + i omega c)
 
 | symbol | meaning | unit |
 |---|---|---|

@@ -9,6 +9,8 @@ ship (``checks.sdof.cut``) is run a second time without them, and the two runs a
 | marginal | measured differences within e, but the bound is not: a slightly different sea may break it |
 | invalid | a measured difference exceeds e, or a margin that decides is negative |
 
+The rms difference is left out where the one-way motion does not repeat after a period.
+
 eps = |D2/D1|: amplitude of the line's reaction in the one-way run over that of the ship's dynamic stiffness times its
 motion; eps/(1 - eps) bounds the amplitude error of a steady motion rigorously.
 """
@@ -17,6 +19,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +58,20 @@ def component(time: Array, values: Array, omega: float) -> complex:
     return complex(c, -s)
 
 
+def repeats(time: Array, values: Array, omega: float | None, tolerance: float) -> bool:
+    """Whether a motion is the same one period later, within half the tolerance. A subharmonic or chaotic motion is not:
+    two such runs may differ by a whole amplitude at every instant and still be the same motion."""
+    if omega is None:
+        return True
+    period = 2.0 * math.pi / omega
+    late = time[time <= time[-1] - period]
+    if len(late) < 8:
+        return True
+    change = np.interp(late + period, time, values) - values[: len(late)]
+    spread = float(np.std(values))
+    return not spread or math.sqrt(float(np.mean(change**2))) <= 0.5 * tolerance * spread
+
+
 def peak(values: Array) -> float:
     """Largest value, refined by a parabola through the samples around it."""
     k = int(np.argmax(values))
@@ -70,7 +87,9 @@ def compare(
     check: SdofCheck, time: Array, coupled: dict[str, Array], one_way: dict[str, Array], theory: dict[str, float | None],
     stiffness: complex | None,
 ) -> Comparison:
-    """The SDOF comparison after ``check.settle``. ``stiffness``: the ship's dynamic stiffness D1 at the dominant
+    """The SDOF comparison after ``check.settle``. Amplitude (half the swing) and peak tension (above its mean) are
+    errors of the one-way model, one-way / coupled - 1; rms is that of the difference over that of the one-way motion;
+    the phase is that of the coupled motion against the one-way motion. ``stiffness``: the ship's dynamic stiffness D1 at the dominant
     frequency, N/m, if known; ``theory``: estimate, eigenvector and frequency_shift, where known."""
     keep = time >= check.settle
     t = time[keep]
@@ -89,10 +108,12 @@ def compare(
         if stiffness and drive:
             indicator = abs(component(t, reaction, omega)) / (abs(stiffness) * drive)
     bound = None if indicator is None else indicator / (1.0 - indicator) if indicator < 1.0 else math.inf
-    amplitude = (peak(x2) + peak(-x2)) / swing1 - 1.0 if swing1 else 0.0
-    tension = peak(T2) / peak(T1) - 1.0 if peak(T1) else 0.0
+    swing2 = peak(x2) + peak(-x2)
+    dynamic1, dynamic2 = peak(T1) - float(T1.mean()), peak(T2) - float(T2.mean())
+    amplitude = swing1 / swing2 - 1.0 if swing2 else 0.0
+    tension = dynamic1 / dynamic2 - 1.0 if dynamic2 else 0.0
     rms = math.sqrt(float(np.mean((x2 - x1) ** 2))) / rms1 if rms1 else 0.0
-    worst = max(abs(amplitude), abs(tension), rms)
+    worst = max(abs(amplitude), abs(tension), rms if repeats(t, x1, omega, check.tolerance) else 0.0)
     word = "invalid" if worst > check.tolerance else "marginal" if bound and bound > check.tolerance else "valid"
     return Comparison(
         check.tolerance, amplitude, phase, tension, rms, indicator, bound, theory.get("estimate"),
@@ -122,15 +143,23 @@ def margins(scene: ResolvedScene, time: Array, columns: dict[str, Array]) -> lis
 def verdict(comparison: Comparison | None, found: list[Margin]) -> Verdict:
     """One word for the run, with the number that decided."""
     worst = min((m for m in found if m.decides), key=lambda m: m.worst, default=None)
+    if comparison and comparison.word == "invalid":
+        return _sdof(comparison)
     if worst and worst.worst < 0.0:
         return Verdict("invalid", f"{worst.variable} is negative at t = {worst.time:.4g} s", worst.worst, 0.0)
     if comparison:
-        c = comparison
-        numbers = {"peak tension": abs(c.peak_tension), "amplitude": abs(c.amplitude), "rms difference": c.rms}
-        name = max(numbers, key=numbers.__getitem__)
-        if c.word == "marginal":
-            return Verdict("marginal", "SDOF: the bound eps/(1 - eps) exceeds the tolerance", c.bound, c.tolerance)
-        return Verdict(c.word, f"SDOF: {name} of coupled against one-way run", numbers[name], c.tolerance)  # type: ignore[arg-type]
+        return _sdof(comparison)
     if worst:
         return Verdict("valid", f"smallest margin is {worst.variable}", worst.worst, 0.0)
     return Verdict("not judged", "no check and no margin decides", None, None)
+
+
+def _sdof(c: Comparison) -> Verdict:
+    numbers = {"peak tension": abs(c.peak_tension), "amplitude": abs(c.amplitude)}
+    if c.word == "invalid" or c.rms <= c.tolerance:
+        numbers["rms difference"] = c.rms
+    name = max(numbers, key=numbers.__getitem__)
+    if c.word == "marginal":
+        return Verdict("marginal", "SDOF: the bound eps/(1 - eps) exceeds the tolerance", c.bound, c.tolerance)
+    word: Literal["valid", "invalid"] = "valid" if c.word == "valid" else "invalid"
+    return Verdict(word, f"SDOF: {name} of the one-way run against the coupled run", numbers[name], c.tolerance)

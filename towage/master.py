@@ -1,4 +1,4 @@
-"""Runs a scene and judges it: checks before, the coupled run, its error estimate, the one-way shadow run, the verdict."""
+"""Runs a scene and judges it: checks before, the coupled run, its error estimate, the one-way run, the verdict."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from . import checks, judge, sdof
 from .errors import RunError, SceneError
-from .recorder import Recorder
+from .recorder import Recorder, read_journal
 from .result import Check, Margin, Result, Verdict
 from .scene import ResolvedScene, Scene
 from .schemes import ORDERS
@@ -36,7 +37,7 @@ class Master:
 
     def __init__(self, scene: Scene, case: str | None = None, fmus: Path | None = None) -> None:
         self.case = case or (scene.cases[0].name if len(scene.cases) == 1 else "")
-        self.scene = scene.case(case) if case else scene
+        self.scene = msgspec.structs.replace(scene.case(case) if case else scene, cases=())
         self._locate = locator(fmus)
         self.resolved = self.scene.resolve(self._locate)
 
@@ -46,13 +47,17 @@ class Master:
         system = self._system(self.resolved)
         try:
             settings, before = self._settings(system)
-            result = self._result(settings, before)
+            result = self._result(settings.scheme, before)
             recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs], journal)
             stop = settings.stop_time
             extra = self.scene.coupling.error_estimate, self.scene.checks.sdof is not None
             share = 1.0 / (1.0 + 0.5 * extra[0] + extra[1])
+
+            def hear(begin: float, size: float, text: str) -> Callable[[float], None]:
+                return lambda t: say(share * (begin + size * t / stop), text)
+
             try:
-                run = simulate(system, settings, recorder, lambda t: say(share * t / stop, "coupled run"))
+                run = simulate(system, settings, recorder, hear(0.0, 1.0, "coupled run"))
             except RunError as error:
                 result.status, result.message = "failed", str(error)
                 result.verdict = Verdict("not judged", "the run failed", None, None)
@@ -65,11 +70,11 @@ class Master:
             if result.status == "failed":
                 return result
             if extra[0]:
-                say(share, "error estimate")
-                result.coupling_error = self._error(settings, result.time, columns, recorded)
+                told = hear(1.0, 0.5, "error estimate")
+                result.coupling_error = self._error(settings, result.time, columns, recorded, told)
             if extra[1]:
-                say(share * (1.0 + 0.5 * extra[0]), "one-way run")
-                self._compare(result, settings, system, columns, recorded)
+                told = hear(1.0 + 0.5 * extra[0], 1.0, "one-way run")
+                self._compare(result, settings, system, columns, recorded, told)
             result.margins = judge.margins(self.resolved, result.time, {n: columns[n] for n in recorded})
             result.verdict = judge.verdict(result.comparison, result.margins)
             say(1.0, "done")
@@ -84,6 +89,17 @@ class Master:
             return self._settings(system, refuse=False)[1] + sdof.before_run(system, self.scene.checks.sdof)
         finally:
             system.close()
+
+    def salvage(self, journal: Path | None, message: str) -> Result:
+        """A failed result with what is in the journal of a run that ended with its process."""
+        result = self._result(self.scene.coupling.scheme, [])
+        result.status, result.message = "failed", message
+        result.verdict = Verdict("not judged", "the run failed", None, None)
+        if journal:
+            result.time, columns = read_journal(journal)
+            names = [f"{u}.{v}" for u, v in self.resolved.record]
+            self._fill_columns(result, columns, [n for n in names if n in columns])
+        return result
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -103,7 +119,8 @@ class Master:
         coupling, stop = self.scene.coupling, self.scene.stop_time
         found = checks.loops(system)
         step = coupling.step
-        scheme, before = coupling.scheme, []
+        scheme: str = coupling.scheme
+        before: list[Check] = []
         if scheme == "auto":
             scheme, why = checks.choose_scheme(system, found, step or 0.0)
             before.append(Check("scheme", "info", None, None, f"auto: {scheme}, because {why}"))
@@ -125,19 +142,16 @@ class Master:
         settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop)
         return settings, before
 
-    def _result(self, settings: Settings, before: list[Check]) -> Result:
+    def _result(self, scheme: str, before: list[Check]) -> Result:
         return Result(
-            title=self.scene.title, case=self.case, scheme=settings.scheme, status="done", message="",
+            title=self.scene.title, case=self.case, scheme=scheme, status="done", message="",
             time=np.empty(0), columns={}, units={}, checks=before, scene_source=self.scene.source,
         )  # fmt: skip
 
     def _fill(
         self, result: Result, system: System, run: Run, columns: dict[str, Array], recorded: list[str]
     ) -> None:
-        result.columns = {n: columns[n] for n in recorded}
-        result.units = {
-            f"{u}.{v}": self.resolved.units[u].description.by_name()[v].unit or "" for u, v in self.resolved.record
-        }
+        self._fill_columns(result, columns, recorded)
         result.events = run.events
         result.step_sizes = np.array(run.steps)
         result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}
@@ -147,18 +161,27 @@ class Master:
             "real_time_factor": run.time / run.wall if run.wall else math.nan,
         }  # fmt: skip
 
-    def _second_run(self, scene: Scene, settings: Settings) -> tuple[Array, dict[str, Array]]:
-        """Another run, silent: (time, columns)."""
+    def _fill_columns(self, result: Result, columns: dict[str, Array], recorded: list[str]) -> None:
+        result.columns = {n: columns[n] for n in recorded}
+        result.units = {
+            f"{u}.{v}": self.resolved.units[u].description.by_name()[v].unit or "" for u, v in self.resolved.record
+        }
+
+    def _second_run(
+        self, scene: Scene, settings: Settings, report: Callable[[float], None]
+    ) -> tuple[Array, dict[str, Array]]:
+        """Another run: (time, columns)."""
         system = self._system(scene.resolve(self._locate))
         recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
         try:
-            simulate(system, settings, recorder)
+            simulate(system, settings, recorder, report)
         finally:
             system.close()
         return recorder.columns()
 
     def _error(
-        self, settings: Settings, time: Array, columns: dict[str, Array], recorded: list[str]
+        self, settings: Settings, time: Array, columns: dict[str, Array], recorded: list[str],
+        report: Callable[[float], None],
     ) -> dict[str, float]:
         """Largest difference to a run with doubled step (tenfold tolerance) on the common times, relative to the
         variable's largest value, over 2^p - 1."""
@@ -172,7 +195,7 @@ class Master:
             doubled["record_interval"] = max(settings.record_interval, 2.0 * settings.step)
         coarse = Settings(**{**vars(settings), **doubled})
         try:
-            coarse_time, coarse_columns = self._second_run(self.scene, coarse)
+            coarse_time, coarse_columns = self._second_run(self.scene, coarse, report)
         except RunError:
             return {}
         _, here, there = np.intersect1d(np.round(time, 9), np.round(coarse_time, 9), return_indices=True)
@@ -186,13 +209,14 @@ class Master:
         return found
 
     def _compare(
-        self, result: Result, settings: Settings, system: System, columns: dict[str, Array], recorded: list[str]
+        self, result: Result, settings: Settings, system: System, columns: dict[str, Array], recorded: list[str],
+        report: Callable[[float], None],
     ) -> None:
         check = self.scene.checks.sdof
         assert check is not None
         one_way_scene = self.scene.without(check.cut)
         try:
-            time, one_way = self._second_run(one_way_scene, settings)
+            time, one_way = self._second_run(one_way_scene, settings, report)
         except RunError as error:
             result.checks.append(Check("one-way run", "warning", None, None, f"failed: {error}"))
             return
@@ -218,7 +242,8 @@ def run(scene: Scene | str | Path, case: str | None = None, report: Report | Non
 def run_all(scene: Scene | str | Path, report: Report | None = None) -> list[Result]:
     """Run every case of a scene."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    return [Master(loaded, name).run(report) for name in [c.name for c in loaded.cases] or [None]]
+    names: list[str | None] = [case.name for case in loaded.cases]
+    return [Master(loaded, name).run(report) for name in names or [None]]
 
 
 def worst_margin(results: list[Result]) -> Margin | None:

@@ -55,32 +55,30 @@ def gauss_seidel(system: System, time: float, step: float) -> float:
 
 
 def extrapolate(system: System, time: float, step: float) -> float:
-    """Explicit, order 3."""
-    for s in system.backward:
-        system.extrapolate(s)
-    _pass(system, time, step)
-    return RESIDUAL_WEIGHT * _residual(system.backward, step)
+    """Explicit, order 3. The first step after a start or an event has no history to extrapolate from: it gets a
+    corrector where the units can go back."""
+    estimate = _predict(system, time, step)
+    if not system.old_step and system.saved_at == time:
+        _correct(system, time, step)
+    return estimate
 
 
 def hermite(system: System, time: float, step: float) -> float:
     """Predictor and exactly one corrector, order 4."""
-    extrapolate(system, time, step)
-    if not system.looped:
-        return 0.0
-    predicted = [(s, s.end_value) for i in system.looped for s in system.out[i]]
+    _predict(system, time, step)
+    predicted = _sent(system)
     _correct(system, time, step)
-    return max(abs(s.end_value - before) / max(s.scale, FLOOR) for s, before in predicted)
+    return _change(predicted)
 
 
 def implicit(system: System, time: float, step: float) -> float:
     """Corrector to convergence: unknown are the end values and rates of the signals that run backward."""
-    extrapolate(system, time, step)
+    _predict(system, time, step)
     if not system.looped:
         return 0.0
-    predicted = [(s, s.end_value) for i in system.looped for s in system.out[i]]
+    predicted = _sent(system)
     weights = np.array([w / max(s.scale, FLOOR) for s in system.backward for w in ((1.0, step) if s.rated else (1.0,))])
     used, found = _ends(system), _ends(system)
-    inputs: list[Any] = []
     residuals: list[Any] = []
     results: list[Any] = []
     for _ in range(MAX_ITERATIONS):
@@ -91,8 +89,7 @@ def implicit(system: System, time: float, step: float) -> float:
         if not np.all(np.isfinite(residual)):
             break
         if float(np.max(np.abs(residual))) < ITERATION_TOLERANCE:
-            return max(abs(s.end_value - before) / max(s.scale, FLOOR) for s, before in predicted)
-        inputs.append(used)
+            return _change(predicted)
         residuals.append(residual)
         results.append(found)
         used = found
@@ -105,6 +102,16 @@ def implicit(system: System, time: float, step: float) -> float:
         "join the tightly coupled units (cradle_on_line for a cradle on a stiff line)",
         time=time,
     )
+
+
+def _sent(system: System) -> list[tuple[Signal, float]]:
+    """What the looped units send at the end of the step."""
+    return [(s, s.end_value) for i in system.looped for s in system.out[i]]
+
+
+def _change(before: list[tuple[Signal, float]]) -> float:
+    """Largest relative change since then; 0 if no unit is looped."""
+    return max((abs(s.end_value - value) / max(s.scale, FLOOR) for s, value in before), default=0.0)
 
 
 def _ends(system: System) -> Any:
@@ -123,20 +130,24 @@ def _set_ends(system: System, values: Any) -> None:
 
 def _correct(system: System, time: float, step: float) -> None:
     """Step the looped units again, with both ends of every input known."""
-    system.restore(system.looped)
+    if system.looped:
+        system.restore(system.looped)
     for i in system.looped:
         for s in system.into[i]:
             system.interpolate(s, step)
         system.advance(i, time, step)
 
 
-def _pass(system: System, time: float, step: float) -> None:
-    """All units in order; signals that do not run backward come from units already stepped."""
+def _predict(system: System, time: float, step: float) -> float:
+    """All units in order: signals that run backward extrapolated, the others interpolated, their ends being known."""
+    for s in system.backward:
+        system.extrapolate(s)
     for i in system.order:
         for s in system.into[i]:
             if not s.backward:
                 system.interpolate(s, step)
         system.advance(i, time, step)
+    return RESIDUAL_WEIGHT * _residual(system.backward, step)
 
 
 def _residual(signals: list[Signal], step: float) -> float:

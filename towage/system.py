@@ -9,6 +9,8 @@ both ends of their inputs: no delay is added where the equations have none.
 
 from __future__ import annotations
 
+import hashlib
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Sequence
@@ -50,7 +52,7 @@ class System:
         self._freeze = freeze
         self.units: list[Unit] = []
         self.old_step = 0.0
-        self._saved_time = 0.0
+        self.saved_at = math.nan
         try:
             for resolved in scene.units.values():
                 self.units.append(_instantiate(resolved.name, scene, extracted))
@@ -139,14 +141,14 @@ class System:
 
     def save(self, time: float) -> None:
         """Save the state of every unit."""
-        self._saved_time = time
+        self.saved_at = time
         for unit in self.units:
             unit.save(time)
 
     def restore(self, units: Sequence[int] | None = None) -> None:
         """Restore the saved state of some units (default: all)."""
         for i in range(len(self.units)) if units is None else units:
-            self.units[i].restore(self._saved_time)
+            self.units[i].restore(self.saved_at)
 
     @property
     def can_roll_back(self) -> bool:
@@ -228,7 +230,7 @@ class System:
 
 def _instantiate(name: str, scene: ResolvedScene, extracted: Path) -> Unit:
     resolved = scene.units[name]
-    directory = extracted / resolved.description.guid.strip("{}") / resolved.description.model_identifier
+    directory = extracted / hashlib.sha256(resolved.path.read_bytes()).hexdigest()[:32]
     extract(resolved.path, directory)
     connected = [c.target for c in scene.connections if c.target_unit == name]
     sources = [c.source for c in scene.connections if c.source_unit == name]

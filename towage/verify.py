@@ -22,14 +22,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from . import verify_cradle
+from . import verify_cable, verify_cradle
 from .errors import SceneError
 
 DEFAULT_RTOL = 1e-8
 OWN_FILES = ("cradle.json",)
 """The project's own copies, in ``towage/reference``."""
 
-SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {**verify_cradle.SOLVERS}
+SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {**verify_cradle.SOLVERS, **verify_cable.SOLVERS}
 """The function that computes a kind of case: (inputs, expected) -> values."""
 
 

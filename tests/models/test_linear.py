@@ -68,9 +68,7 @@ def test_linear_model_is_the_limit_of_the_cradle() -> None:
     assert run.advance(50.0) == pytest.approx(linear.transient(50.0, 1.0, 0.0, 1.0, 1.0, 0.8, 0.3, -0.2), abs=1e-11)
 
 
-@given(
-    st.floats(1e-6, 1e3), st.floats(1e-3, 10.0), st.floats(1e-3, 10.0), st.floats(1e-2, 1e3), st.floats(1e-3, 1e2)
-)
+@given(st.floats(1e-6, 1e3), st.floats(1e-3, 10.0), st.floats(1e-3, 10.0), st.floats(1e-2, 1e3), st.floats(1e-3, 1e2))
 @settings(max_examples=200, deadline=None)
 def test_lorentz_solves_its_own_equation(drag: float, r: float, x0: float, m: float, k: float) -> None:
     omega = r * math.sqrt(k / m)

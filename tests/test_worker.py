@@ -1,0 +1,331 @@
+"""Units that crash, abort, exit, hang, fail, refuse or lie: their run ends with what it recorded, and nothing else does.
+
+The units are built with plain PythonFMU, so these are also scenes with foreign FMUs.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from towage import worker
+from towage.errors import FmuError, RunError, SceneError
+from towage.master import Master
+from towage.recorder import Recorder, read_journal
+from towage.result import Result
+from towage.scene import Scene
+from towage.worker import check_isolated, run_isolated
+
+SCRIPT = '''
+import ctypes
+import math
+import os
+import time
+
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real, String
+
+
+class Hostile(Fmi2Slave):
+    """Pulls at the ship with 1 N per second, until its misdeed is due."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.misdeed, self.at, self.force, self.heave = "none", 1.0, 0.0, 0.0
+        parameter = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}
+        self.register_variable(String("misdeed", **parameter))
+        self.register_variable(Real("at", start=1.0, **parameter))
+        self.register_variable(Real("heave", start=0.0, causality=Fmi2Causality.input))
+        self.register_variable(Real("force", causality=Fmi2Causality.output))
+
+    def exit_initialization_mode(self):
+        if self.misdeed == "initialisation":
+            raise ValueError("no such winch")
+        if self.misdeed == "initialisation crash":
+            ctypes.string_at(0)
+
+    def terminate(self):
+        if self.misdeed == "terminate":
+            os._exit(0)
+
+    def do_step(self, t, h):
+        self.force = t + h
+        if self.misdeed == "chatter":
+            print("{\\"done\\": null}", flush=True)
+            os.write(1, b"{\\"share\\": 7, \\"text\\": \\"nonsense\\"}\\n\\xff\\x00\\n")
+        if self.misdeed == "slow":
+            time.sleep(0.02)
+        if t < self.at - 1e-9:
+            return True
+        if self.misdeed == "crash":
+            print("about to dereference NULL", flush=True)
+            ctypes.string_at(0)
+        if self.misdeed == "abort":
+            os.abort()
+        if self.misdeed == "exit":
+            os._exit(7)
+        if self.misdeed == "killed":
+            os.kill(os.getpid(), 9)
+        if self.misdeed == "hang":
+            while True:
+                time.sleep(0.01)
+        if self.misdeed == "nan":
+            self.force = math.nan
+        if self.misdeed == "raise":
+            raise ArithmeticError("the winch is on fire")
+        if self.misdeed == "memory":
+            bytearray(1 << 60)
+        if self.misdeed == "endless":
+            while True:
+                h = h + 1.0 - 1.0
+        return self.misdeed != "refuse"
+'''
+STOP = 2.0
+STEP = 0.1
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The foreign FMU."""
+    directory = tmp_path_factory.mktemp("hostile")
+    (directory / "hostile.py").write_text(SCRIPT)
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "hostile.py"]
+    subprocess.run(command, cwd=directory, check=True, capture_output=True, timeout=60)
+    return directory / "Hostile.fmu"
+
+
+def scene(fmu: Path, misdeed: str, **coupling: object) -> Scene:
+    return Scene.from_dict(
+        {
+            "title": f"A unit that does: {misdeed}",
+            "stop_time": STOP,
+            "connections": ["winch.force -> ship.reaction", "ship.heave -> winch.heave"],
+            "units": {
+                "ship": {"fmu": "ship"},
+                "winch": {"fmu": str(fmu), "parameters": {"misdeed": misdeed, "at": 1.0}},
+            },
+            "coupling": {"step": STEP, "error_estimate": False, "scheme": "extrapolate", **coupling},
+        }
+    )
+
+
+def assert_partial(result: Result, end: float = 1.0) -> None:
+    """Recorded up to ``end``, the foreign unit's output as its script has it."""
+    assert result.status == "failed"
+    assert result.verdict.word == "not judged"
+    assert result.time == pytest.approx(np.arange(round(end / STEP) + 1) * STEP)
+    assert result["winch.force"] == pytest.approx(result.time)
+    assert np.isfinite(result["ship.heave"]).all()
+    assert result.units["ship.heave"] == "m"
+
+
+def test_foreign_unit_runs_and_equals_the_run_in_this_process(hostile: Path) -> None:
+    heard: list[tuple[float, str]] = []
+    isolated = run_isolated(scene(hostile, "none"), report=lambda share, text: heard.append((share, text)))
+    here = Master(scene(hostile, "none")).run()
+    assert isolated.status == here.status == "done"
+    assert isolated.time[-1] == STOP
+    assert isolated["winch.force"] == pytest.approx(isolated.time)
+    for name, column in here.columns.items():
+        assert isolated[name].tobytes() == column.tobytes(), name
+    assert heard[0] == (0.0, "coupled run")
+    assert heard[-1] == (1.0, "done")
+    assert [share for share, _ in heard] == sorted(share for share, _ in heard)
+
+
+@pytest.mark.parametrize(
+    ("misdeed", "said"),
+    [
+        ("crash", "SIGSEGV"),
+        ("abort", "SIGABRT"),
+        ("killed", "SIGKILL"),
+        ("exit", "exit code 7"),
+    ],
+)
+def test_death_of_the_process_keeps_the_record_and_names_the_unit(hostile: Path, misdeed: str, said: str) -> None:
+    result = run_isolated(scene(hostile, misdeed))
+    assert_partial(result)
+    assert result.message.startswith("winch, t = 1 s: ")
+    assert said in result.message
+    assert "in its step" in result.message
+    assert "the record ends at t = 1 s" in result.message
+    assert ("hostile.py" in result.message) == (misdeed in ("crash", "abort"))  # where a stack could be written
+    assert ("about to dereference NULL" in result.message) == (misdeed == "crash")
+
+
+@pytest.mark.parametrize("misdeed", ["hang", "endless"])
+def test_hang_is_ended_and_its_line_named(hostile: Path, misdeed: str) -> None:
+    begin = time.monotonic()
+    result = run_isolated(scene(hostile, misdeed), timeout=2.0)
+    assert time.monotonic() - begin > 2.0
+    assert_partial(result)
+    assert result.message.startswith("winch, t = 1 s: made no progress for 2 s")
+    assert "hostile.py" in result.message
+    assert "do_step" in result.message
+
+
+def test_time_that_moves_on_slowly_is_progress(hostile: Path) -> None:
+    """20 steps of at least 20 ms and the start take longer than any one silence."""
+    result = run_isolated(scene(hostile, "slow", step=0.02), timeout=1.9)
+    assert result.status == "done", result.message
+    assert result.statistics["wall_s"] > 1.9
+
+
+def test_nan_names_unit_variable_time_and_last_finite_value(hostile: Path) -> None:
+    result = run_isolated(scene(hostile, "nan"))
+    assert_partial(result)
+    assert result.message.startswith("winch.force, t = 1.1 s: ")
+    assert "nan" in result.message
+    assert "last finite value was 1.0" in result.message
+
+
+@pytest.mark.parametrize(
+    ("misdeed", "said"),
+    [("refuse", "Discard"), ("raise", "the winch is on fire"), ("memory", "MemoryError")],
+)
+def test_failing_step_is_a_failed_run(hostile: Path, misdeed: str, said: str) -> None:
+    result = run_isolated(scene(hostile, misdeed))
+    assert_partial(result)
+    assert "winch" in result.message
+    assert said in result.message
+
+
+def test_failing_initialisation_raises_with_the_units_words(hostile: Path) -> None:
+    with pytest.raises(RunError, match="no such winch") as caught:
+        run_isolated(scene(hostile, "initialisation"))
+    assert caught.value.unit == "winch"
+    assert caught.value.time == 0.0
+
+
+def test_crash_in_initialisation(hostile: Path) -> None:
+    result = run_isolated(scene(hostile, "initialisation crash"))
+    assert result.status == "failed"
+    assert "winch, t = 0 s: crashed" in result.message
+    assert "in its initialisation" in result.message
+    assert "nothing was recorded" in result.message
+    assert not len(result.time)
+    with pytest.raises(RunError, match="SIGSEGV") as caught:
+        check_isolated(scene(hostile, "initialisation crash"))
+    assert caught.value.unit == "winch"
+
+
+def test_exit_in_termination_keeps_the_whole_record(hostile: Path) -> None:
+    result = run_isolated(scene(hostile, "terminate"))
+    assert_partial(result, STOP)
+    assert "winch: ended the process of the run (exit code 0) in its termination" in result.message
+
+
+def test_what_a_unit_prints_goes_to_stderr_and_is_no_answer(hostile: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    shares: list[float] = []
+    result = run_isolated(scene(hostile, "chatter"), report=lambda share, text: shares.append(share))
+    assert result.status == "done"
+    assert max(shares) == 1.0
+    printed = capfd.readouterr()
+    assert printed.out == ""
+    assert '{"done": null}' in printed.err
+
+
+def test_errors_of_the_scene_arrive_with_their_fields(hostile: Path, tmp_path: Path) -> None:
+    wrong = scene(hostile, "none")
+    wrong.units["ship"].parameters["heave_perod"] = 8.0
+    with pytest.raises(SceneError, match="did you mean 'heave_period'") as caught:
+        run_isolated(wrong)
+    assert caught.value.key == "units.ship.parameters.heave_perod"
+    broken = tmp_path / "broken.fmu"
+    broken.write_bytes(b"PK no archive")
+    with pytest.raises(FmuError) as refused:
+        run_isolated(scene(broken, "none"))
+    assert refused.value.file == broken
+    with pytest.raises(SceneError, match="unknown case"):
+        run_isolated(scene(hostile, "none"), "no such case")
+
+
+def test_error_in_report_ends_the_child(hostile: Path) -> None:
+    def report(share: float, text: str) -> None:
+        raise LookupError("the listener's own")
+
+    with pytest.raises(LookupError):
+        run_isolated(scene(hostile, "hang"), report=report)
+    assert not children()
+
+
+def test_interruption_keeps_the_record(hostile: Path) -> None:
+    def report(share: float, text: str) -> None:
+        if share > 0.2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        run_isolated(scene(hostile, "slow", step=0.02), report=report)
+    assert isinstance(caught.value, worker.Interrupted)
+    result = caught.value.result
+    assert result.status == "failed"
+    assert 0.4 <= result.time[-1] < STOP
+    assert result.message.startswith("interrupted; the record ends at t = ")
+    assert not children()
+
+
+def test_child_ends_with_its_parent(hostile: Path, tmp_path: Path) -> None:
+    """A parent that is killed cannot end its child; the child notices, even inside a step that hangs."""
+    code = (
+        "import sys; from test_scene_of_parent import it; from towage.worker import run_isolated; "
+        "run_isolated(it, report=lambda share, text: print(share, flush=True))"
+    )
+    (tmp_path / "test_scene_of_parent.py").write_text(
+        f"from towage.scene import Scene\nit = Scene.from_dict({to_dict(scene(hostile, 'hang'))!r})\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        parent.stdout.readline()
+        offspring = children(parent.pid)
+        assert len(offspring) == 1
+        parent.kill()
+    deadline = time.monotonic() + 10.0
+    while any(alive(pid) for pid in offspring):
+        assert time.monotonic() < deadline, "the child outlives its parent"
+        time.sleep(0.05)
+
+
+def test_journal_holds_every_row_at_once(tmp_path: Path) -> None:
+    recorder = Recorder(["a.x", "a.y"], tmp_path / "journal")
+    for k in range(5):
+        recorder.row(0.1 * k, [[float(k), math.pi]])
+    found, columns = read_journal(tmp_path / "journal")  # not closed
+    assert found.tobytes() == recorder.columns()[0].tobytes()
+    assert columns["a.x"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    recorder.close()
+    with open(tmp_path / "journal", "r+b") as file:
+        file.truncate(file.seek(0, 2) - 11)
+    assert len(read_journal(tmp_path / "journal")[0]) == 4
+    assert read_journal(tmp_path / "none")[1] == {}
+
+
+def to_dict(one: Scene) -> dict[str, object]:
+    return {
+        "title": one.title,
+        "stop_time": one.stop_time,
+        "connections": list(one.connections),
+        "units": {name: {"fmu": unit.fmu, "parameters": unit.parameters} for name, unit in one.units.items()},
+        "coupling": {"step": one.coupling.step, "error_estimate": False, "scheme": "extrapolate"},
+    }
+
+
+def children(pid: int | None = None) -> list[int]:
+    """Processes started by ``pid`` (default: this one) that are not yet reaped."""
+    path = Path(f"/proc/{pid or os.getpid()}/task/{pid or os.getpid()}/children")
+    if not path.exists():
+        pytest.skip("needs /proc with children")
+    return [int(child) for child in path.read_text().split()]
+
+
+def alive(pid: int) -> bool:
+    try:
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False

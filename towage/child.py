@@ -1,0 +1,139 @@
+"""A supervised child process: it is given one request, tells of its progress, answers or dies.
+
+The request goes to its stdin, which stays open: its end tells the child that the parent is gone. What the child says
+comes back as JSON, one object a line: ``{"share", "text"}`` for progress, anything else is the answer. The child moves
+its stdout to a private descriptor first, so that what a library prints goes to stderr and is not taken for an answer.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import IO, Any
+
+POLL = 0.1
+"""Longest wait for a line before the child is looked at, s."""
+GRACE = 5.0
+"""What a child that has answered, or has lost its voice, is given to end, s."""
+SHOWN_LINES = 20
+"""Of what a child prints the end is kept."""
+Report = Callable[[float, str], None]
+
+
+class Died(Exception):
+    """The child ended, or was ended, without an answer: what happened, and ``printed``, the last it printed."""
+
+    printed: str = ""
+
+
+def converse(module: str, request: bytes, report: Report | None, timeout: float) -> dict[str, Any]:
+    """Call ``main()`` of ``module`` in a child, listen to it and see it end; returns its answer.
+
+    ``timeout`` is the longest silence, s; repeated progress counts as silence. Raises `Died`. Whatever else ends the
+    conversation (Ctrl-C, an error in ``report``) ends the child. The child finds modules where this process does.
+    """
+    paths = [path or os.getcwd() for path in sys.path]
+    start = f"import sys; sys.path[:] = {paths!r}; from {module} import main; main()"
+    pipe = subprocess.PIPE
+    child = subprocess.Popen([sys.executable, "-c", start], stdin=pipe, stdout=pipe, stderr=pipe)
+    assert child.stdin and child.stdout and child.stderr
+    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    printed: deque[bytes] = deque(maxlen=SHOWN_LINES)
+    threads = [
+        threading.Thread(target=_drain, args=(stream, keep), daemon=True)
+        for stream, keep in ((child.stdout, lines.put), (child.stderr, printed.append))
+    ]
+    for thread in threads:
+        thread.start()
+    try:
+        with contextlib.suppress(OSError):  # a child that died at once is found dead below
+            child.stdin.write(request)
+            child.stdin.flush()
+        answer = _listen(child, threads[0], lines, report, timeout)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            child.wait(GRACE)
+    except Died as death:
+        death.printed = b"".join(printed).decode(errors="replace").strip()
+        printed.clear()
+        raise
+    finally:
+        if child.poll() is None:
+            child.kill()
+            child.wait()
+        with contextlib.suppress(OSError):
+            child.stdin.close()
+        for thread, stream in zip(threads, (child.stdout, child.stderr)):
+            thread.join(GRACE)
+            if not thread.is_alive():  # a process that a unit left behind may hold the pipe
+                stream.close()
+    for line in printed:
+        sys.stderr.write(line.decode(errors="replace"))
+    return answer
+
+
+def _drain(stream: IO[bytes], keep: Callable[[bytes], None]) -> None:
+    for line in stream:
+        keep(line)
+
+
+def _listen(
+    child: subprocess.Popen[bytes],
+    reader: threading.Thread,
+    lines: queue.SimpleQueue[bytes],
+    report: Report | None,
+    timeout: float,
+) -> dict[str, Any]:
+    """Pass progress on until the child answers. Silence is counted in polls, not on a clock, so that a machine or a
+    terminal that was suspended kills nobody."""
+    silence, last = 0.0, None
+    while True:
+        ended = child.poll() is not None and not reader.is_alive()
+        try:
+            said = json.loads(lines.get(timeout=POLL))
+        except queue.Empty:
+            silence += POLL
+            if ended or (child.poll() is not None and silence > GRACE):
+                raise Died(_fate(child.returncode)) from None
+            if silence >= timeout:
+                _ask_for_stack(child)
+                raise Died(f"made no progress for {timeout:g} s and was stopped") from None
+            continue
+        except ValueError:  # printed before the child could move its stdout
+            continue
+        if not isinstance(said, dict):
+            continue
+        if "share" not in said:
+            return said
+        if (said["share"], said["text"]) != last:
+            silence, last = 0.0, (said["share"], said["text"])
+            if report:
+                report(*last)
+
+
+def _fate(code: int) -> str:
+    if code >= 0:
+        return f"ended the process of the run (exit code {code})"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    hint = ": perhaps the machine ran out of memory" if name == "SIGKILL" else ""
+    return f"crashed the process of the run ({name}, {(signal.strsignal(-code) or '').lower()}{hint})"
+
+
+def _ask_for_stack(child: subprocess.Popen[bytes]) -> None:
+    """Have a hung child write its stack, which it can do from a signal handler, then end it."""
+    if hasattr(signal, "SIGUSR1"):
+        child.send_signal(signal.SIGUSR1)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            child.wait(2 * POLL)
+    child.kill()
+    child.wait()

@@ -1,0 +1,34 @@
+"""``towage validate``: structure, names, units and connections of scenes, without loading a unit."""
+
+from __future__ import annotations
+
+import argparse
+
+from . import common
+
+HELP = "check scene files: structure, names, units, connections"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of ``towage validate``."""
+    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="a scene file, or the name of a shipped scene")
+    common.add_fmus(parser)
+    parser.epilog = "No code of a unit runs.\n\nexample:\n  towage validate sea_cliff my_scene.toml"
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """0 if all are right, 2 if one is not."""
+    from ..cli import complain
+    from ..errors import TowageError
+    from ..scene import Scene
+    from ..store import locator
+
+    code, locate = 0, locator(arguments.fmus)
+    for name in arguments.scenes:
+        try:
+            Scene.load(name).resolve(locate)
+            print(f"{name}: ok", flush=True)
+        except TowageError as error:
+            complain(str(error))
+            code = error.exit_code
+    return code
