@@ -27,13 +27,17 @@ SUBMERSIBLE = entry(
     "submersible_velocity", "m/s", 0.0, "Vertical velocity of the submersible when it docks, positive up",
     display="ft/s",
 )  # fmt: skip
+DOCKING = ("submersible_velocity",)
+"""What acts without delay on all that follows from the velocity, at the moment of docking."""
 MOTION = (
     output("heave", "m", "Heave from the static equilibrium, positive up", display="ft", nominal=1.0, rate=True),
-    output("velocity", "m/s", "Heave velocity, positive up", display="ft/s", nominal=1.0),
+    output("velocity", "m/s", "Heave velocity, positive up", display="ft/s", nominal=1.0, depends=DOCKING),
     local("docked", "1", "1 with the submersible aboard", "discrete"),
     next_event_time(),
 )
-REYNOLDS = margin("drag_reynolds", "1 - b min(|v|, v_c)^2 / (0.1 W), v_c the speed at the critical Reynolds number")
+REYNOLDS = margin(
+    "drag_reynolds", "1 - b min(|v|, v_c)^2 / (0.1 W), v_c the speed at the critical Reynolds number", DOCKING
+)
 
 UNIT = Unit(
     name="cradle",
@@ -47,9 +51,10 @@ UNIT = Unit(
     inputs=(entry("line_tension", "N", 0.0, "Tension of the line", display="lbf"), SUBMERSIBLE),
     outputs=(
         *MOTION,
-        output("acceleration", "m/s2", "Heave acceleration, positive up", display="ft/s2", depends=("line_tension",)),
+        output("acceleration", "m/s2", "Heave acceleration, positive up", display="ft/s2",
+               depends=("line_tension", *DOCKING)),
         REYNOLDS,
     ),
     start={"mass": 5000.0, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0, "submersible_mass": 8000.0},
     reference_inputs={"line_tension": (1.0e4, 0.9)},
-)
+)  # fmt: skip

@@ -1,7 +1,7 @@
 """Unit `cradle_on_line`: the thesis's SDOF model, heave of the upper end in, pull out."""
 
 from ..models import cradle_on_line
-from .cradle import BODY, MOTION, REYNOLDS, SUBMERSIBLE
+from .cradle import BODY, DOCKING, MOTION, REYNOLDS, SUBMERSIBLE
 from .spring_line import BRANCH, ELASTICITY, margins
 from .unit import Unit, calculated, entry, output
 
@@ -24,7 +24,7 @@ UNIT = Unit(
         output("tension", "N", "Tension, never negative", display="lbf", depends=TOP, rate=True),
         output("reaction", "N", "Excess of the pull over its static value, down on the upper end", display="lbf",
                depends=TOP, rate=True),
-        *margins(TOP),
+        *margins(TOP, DOCKING),
         *BRANCH,
         REYNOLDS,
     ),

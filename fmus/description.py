@@ -35,7 +35,7 @@ def model_description(unit: Unit, identifier: str, guid: str, options: dict[str,
         variableNamingConvention="structured",
         numberOfEventIndicators="0",
     )
-    SubElement(root, "CoSimulation", modelIdentifier=identifier, **options)
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **options})
     _units(root, unit)
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
@@ -46,7 +46,7 @@ def model_description(unit: Unit, identifier: str, guid: str, options: dict[str,
         _variable(variables, reference, v)
     _structure(root, unit)
     indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n%b\n' % tostring(root, encoding="utf-8")
 
 
 def _units(root: Element, unit: Unit) -> None:
@@ -87,7 +87,7 @@ def _structure(root: Element, unit: Unit) -> None:
     outputs = [(i, v) for i, v in enumerate(unit.variables) if v.causality == "output"]
     node = SubElement(structure, "Outputs")
     for i, v in outputs:
-        # a margin or a value between communication points may depend on any input and its derivatives
+        # of the knowns of FMI 2 only inputs act without delay; their derivatives are tunable parameters
         known = [unit.index[name] for name in v.depends]
         SubElement(node, "Unknown", index=str(i + 1), dependencies=" ".join(str(k + 1) for k in known))
     node = SubElement(structure, "InitialUnknowns")

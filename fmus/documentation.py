@@ -30,8 +30,8 @@ def documentation_page(unit: Unit) -> str:
 def variable_groups(unit: Unit) -> list[tuple[str, list[Variable]]]:
     """The unit's variables under the headings of its documentation; input derivatives are left to the text."""
     titles = {
-        "parameter": "Parameters", "input": "Inputs", "output": "Outputs", "calculatedParameter": "Calculated parameters",
-        "local": "Local variables",
+        "parameter": "Parameters", "input": "Inputs", "output": "Outputs",
+        "calculatedParameter": "Calculated parameters", "local": "Local variables",
     }  # fmt: skip
     shown = [v for v in unit.variables if v.variability != "tunable"]
     return [(title, [v for v in shown if v.causality == causality]) for causality, title in titles.items()]

@@ -3,22 +3,29 @@
 Both flavours of FMU show this behaviour; the Python FMU is a thin shell around this class, so that "the FMU equals the
 model" can be tested to the last bit.
 
-Inputs are cubics over a communication step, u(t + s) = u + d1 s + d2 s^2/2 + d3 s^3/6. After a step, outputs are limits
-from the left; once an input is set again they are limits from the right (branches change, a docking happens).
+Inputs are cubics over a communication step, u(t + s) = u + d1 s + d2 s^2/2 + d3 s^3/6, and start anew at each: what is
+not set again begins the next step with the same u, d1, d2 and d3. After a step, outputs are limits from the left; once
+anything is set they are limits from the right (branches change, a docking happens).
 """
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from ..models.integrate import integrate
+from ..models.integrate import IntegrationError, integrate
 from ..models.ops import FLOATS, NEVER
+from .inline import floats
 from .unit import Unit
 
 INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, FAILED = range(5)
 PHASES = ("instantiated", "initializing", "stepping", "terminated", "failed")
 TIME_TOLERANCE = 1e-9
+"""How far the time of a step may be from where the last one ended, relative to 1 s + |t|."""
+EVENT_TOLERANCE = 1e-12
+"""An event this close to a communication point, relative to 1 s + |t|, happens there: k*h is not exactly the time."""
+
+Polynomials = list[tuple[float, float, float, float]]
+"""(u, d1, d2/2, d3/6) of every input."""
 
 
 class CallError(Exception):
@@ -34,24 +41,19 @@ class Instance:
 
     def __init__(self, unit: Unit) -> None:
         self.unit = unit
-        model = unit.model
+        self._model = model = floats(unit.model)
         self._outputs = model.outputs
         self._transition = getattr(model, "transition", None)
         self._next_event = getattr(model, "next_event_time", None)
-        self._names = [v.name for v in unit.variables]
-        causality = [v.causality for v in unit.variables]
-        self._first_input = causality.index("input")
         n = len(unit.inputs)
-        self._first_derivative = self._first_input + n
         self._first_output = len(unit.variables) - len(unit.observed)
-        self._first_calculated = len(unit.variables) - len(unit.observed) - 4 * n - len(unit.calculated)
-        settable = [
-            c == "input" or (c == "parameter" and (v.variability == "tunable"))
-            for c, v in zip(causality, unit.variables)
-        ]
-        early = [c in ("input", "parameter") for c in causality]
-        self._settable = [early, early, settable, [False] * len(early), [False] * len(early)]
-        self._nominal = tuple(1.0 for _ in getattr(model, "State", ()) and model.State._fields)
+        self._first_derivative = self._first_output - 3 * n
+        self._first_input = self._first_derivative - n
+        self._first_calculated = self._first_input - len(unit.calculated)
+        causes = {"input", "parameter"}
+        early = frozenset(i for i, v in enumerate(unit.variables) if v.causality in causes)
+        later = frozenset(i for i in early if unit.variables[i].variability != "fixed")
+        self._settable = (early, early, later, frozenset[int](), frozenset[int]())
         self.reset()
 
     def reset(self) -> None:
@@ -67,13 +69,15 @@ class Instance:
         self._x: tuple[float, ...] = ()
         self._m: tuple[float, ...] = ()
         self._p: Any = None
+        self._fixed: tuple[float, ...] = ()
+        self._cubics: Polynomials | None = None
 
     # ---- call order -------------------------------------------------------------------------------------------------
 
     def set_up(self, start_time: float, stop_time: float | None) -> None:
         """Times of the experiment, s. Raises `CallError` if they are not finite and in order."""
         if self.phase != INSTANTIATED:
-            raise CallError(f"set up of the experiment in phase {PHASES[self.phase]}, expected right after instantiation")
+            raise CallError(f"set up of the experiment in phase {PHASES[self.phase]}, expected after instantiation")
         if not abs(start_time) < NEVER or (stop_time is not None and not stop_time > start_time):
             raise CallError(f"start time {start_time} and stop time {stop_time} are not finite and in order")
         self.time = start_time
@@ -87,9 +91,20 @@ class Instance:
     def exit_initialization(self) -> None:
         """Fix the parameters and compute the initial state. Raises `CallError` if a parameter makes no sense."""
         self._expect(INITIALIZING, "exit initialization")
-        self._initialize()
+        self._first_outputs()
         self.phase = STEPPING
-        self._observe()
+
+    def _first_outputs(self) -> None:
+        try:
+            self._initialize()
+            self._observe()
+        except (ArithmeticError, ValueError) as error:
+            raise CallError(f"initial values at t = {self.time}: {error}") from error
+
+    def fail(self) -> None:
+        """No call has an answer from here on."""
+        self.phase = FAILED
+        self._fresh = False
 
     def terminate(self) -> None:
         """No step after this."""
@@ -105,43 +120,62 @@ class Instance:
     def set_values(self, references: list[int], values: list[float]) -> None:
         """Set parameters and inputs. Raises `CallError` for anything that may not be set now, or is not finite."""
         own, settable = self.values, self._settable[self.phase]
-        try:
-            for r, value in zip(references, values):
-                if not settable[r] or value - value != 0.0:
-                    self._refuse_set(r, value)
-                own[r] = value
-        except IndexError:
-            raise CallError(f"no variable has value reference {max(references)}") from None
+        for r, value in zip(references, values):
+            if r not in settable or value - value != 0.0:
+                self._refuse_set(r, value)
+            own[r] = value
         self._touched = True
         self._fresh = False
+        self._cubics = None
 
     def _refuse_set(self, r: int, value: float) -> None:
+        self._check_references([r])
         v = self.unit.variables[r]
-        if not self._settable[self.phase][r]:
+        if r not in self._settable[self.phase]:
             raise CallError(
                 f"{v.name} may not be set in phase {PHASES[self.phase]}: it is a {v.variability} {v.causality}"
             )
         raise CallError(f"{v.name} = {value}: expected a finite number")
 
     def get_values(self, references: list[int]) -> list[float]:
-        """Current values; outputs are computed when first asked for."""
+        """Current values; outputs are computed when first asked for. Raises `CallError` if they are not finite."""
         if not self._fresh:
-            if self.phase == INITIALIZING:
-                self._initialize()
-                self._observe()
-            elif self.phase == STEPPING:
-                self._observe()
+            self._refresh(references)
         values = self.values
         try:
-            return [values[r] for r in references]
+            found = [values[r] for r in references]
         except IndexError:
-            raise CallError(f"no variable has value reference {max(references)}") from None
+            self._check_references(references)
+            raise
+        if found and min(references) < 0:
+            self._check_references(references)
+        return found
+
+    def _check_references(self, references: list[int]) -> None:
+        for r in references:
+            if not 0 <= r < len(self.values):
+                # the bridge reads the unsigned value references of FMI as signed
+                raise CallError(f"no variable has value reference {r % 2**32}, they are 0 to {len(self.values) - 1}")
+
+    def _refresh(self, references: list[int]) -> None:
+        if self.phase == STEPPING:
+            try:
+                self._observe()
+            except (ArithmeticError, ValueError) as error:
+                raise CallError(f"outputs at t = {self.time}: {error}") from error
+        elif self.phase == INITIALIZING:
+            # parameters can be read while they do not fit together yet
+            if any(r >= self._first_output or self._first_calculated <= r < self._first_input for r in references):
+                self._first_outputs()
+        elif self.phase == FAILED:
+            raise CallError("the instance failed before: reset it, or free it")
 
     def _initialize(self) -> None:
-        unit, model, values = self.unit, self.unit.model, self.values
+        unit, model, values = self.unit, self._model, self.values
         for v, value in zip(unit.variables[: self._first_calculated], values):
             if (v.min is not None and value < v.min) or (v.max is not None and value > v.max):
                 raise CallError(f"{v.name} = {value:g} {v.unit}: expected {_range(v.min, v.max)}")
+        self._fixed = tuple(values[: self._first_calculated])
         self._p = model.Parameters(**{v.name: values[i] for i, v in enumerate(unit.parameters)})
         problem = model.problem(self._p) if hasattr(model, "problem") else None
         if problem:
@@ -152,41 +186,51 @@ class Instance:
         self._x, self._m = tuple(x), tuple(m)
         self._offset, self._touched, self._fresh, self._first_step = 0.0, True, False, 0.0
         self._frozen = getattr(self._p, "freeze_branches", 0.0) > 0.5
-        if unit.stepped:
-            tolerance = values[unit.index["integration_tolerance"]]
-            self._rtol, self._atol = tolerance, tuple(tolerance * n for n in self._nominal)
+        self._stepped = unit.stepped
+        if self._stepped:
+            self._rtol = values[unit.index["integration_tolerance"]]
+            self._atol = (self._rtol,) * len(x)
 
-    # ---- inputs as polynomials --------------------------------------------------------------------------------------
+    # ---- inputs and outputs ----------------------------------------------------------------------------------------
 
-    def _coefficients(self) -> list[tuple[float, float, float, float]]:
-        """(u, d1, d2/2, d3/6) of every input."""
-        v, i, d = self.values, self._first_input, self._first_derivative
-        return [
-            (v[i + j], v[d + 3 * j], 0.5 * v[d + 3 * j + 1], v[d + 3 * j + 2] / 6.0) for j in range(d - i)
-        ]
-
-    def _inputs(self, s: float) -> tuple[list[float], list[float]]:
-        """Inputs and their rates ``s`` seconds after they were set."""
-        c = self._coefficients()
-        if s == 0.0:
-            return [a[0] for a in c], [a[1] for a in c]
-        return (
-            [a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in c],
-            [a1 + s * (2.0 * a2 + s * 3.0 * a3) for _, a1, a2, a3 in c],
-        )
+    def _polynomials(self) -> Polynomials:
+        c = self._cubics
+        if c is None:
+            v, d = self.values, self._first_derivative
+            inputs = v[self._first_input : d]
+            c = [(u, v[k], 0.5 * v[k + 1], v[k + 2] / 6.0) for k, u in zip(range(d, self._first_output, 3), inputs)]
+            self._cubics = c
+        return c
 
     def _observe(self) -> None:
         """Bring outputs up to date; a communication point that was touched changes branches first."""
         if self._touched:
             self._offset = 0.0
             self._touched = False
-            u, du = self._inputs(0.0)
+            v, d = self.values, self._first_derivative
+            u, du = v[self._first_input : d], v[d : self._first_output : 3]
             if self._transition:
-                self._x, self._m = self._transition(self.time, self._x, self._m, u, self._p, FLOATS)
+                self._change(self.time, u)
         else:
-            u, du = self._inputs(self._offset)
-        self.values[self._first_output :] = self._outputs(self.time, self._x, self._m, u, du, self._p, FLOATS)
+            s, c = self._offset, self._polynomials()
+            u = [a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in c]
+            du = [a1 + s * (2.0 * a2 + s * 3.0 * a3) for _, a1, a2, a3 in c]
+        observed = self._outputs(self.time, self._x, self._m, u, du, self._p, FLOATS)
+        total = sum(observed)
+        if total - total != 0.0:
+            for variable, value in zip(self.unit.observed, observed):
+                if value - value != 0.0:
+                    raise ArithmeticError(f"{variable.name} became {value}")
+        self.values[self._first_output :] = observed
         self._fresh = True
+
+    def _change(self, time: float, u: list[float]) -> None:
+        """The discrete change at a communication point."""
+        if self._next_event:
+            due = self._next_event(time, self._m, self._p, FLOATS)
+            if 0.0 < due - time <= EVENT_TOLERANCE * (1.0 + abs(time)):
+                time = due
+        self._x, self._m = self._transition(time, self._x, self._m, u, self._p, FLOATS)  # type: ignore[misc]
 
     # ---- stepping ---------------------------------------------------------------------------------------------------
 
@@ -203,61 +247,58 @@ class Instance:
             raise CallError(f"step from t = {time}: expected t = {self.time}, where the last step ended")
         if end > self.stop_time + slack:
             raise CallError(f"step to t = {end}: expected at most the stop time {self.stop_time}")
-        before = self._x, self._m, self._first_step
+        before = self._x, self._m, self._first_step, self.time, self._offset, self._touched
         try:
             self._advance(time, step)
             self.time, self._offset, self._touched = end, step, False
             self._observe()
         except (ArithmeticError, ValueError) as error:
-            self._undo(time, before)
+            self._x, self._m, self._first_step, self.time, self._offset, self._touched = before
+            self._fresh = False
             raise StepError(f"step from t = {time} to {end}: {error}") from error
-        observed = self.values[self._first_output :]
-        if not abs(sum(observed)) < math.inf:
-            self._undo(time, before)
-            bad = next(i for i, value in enumerate(observed) if not abs(value) < math.inf)
-            name = self._names[self._first_output + bad]
-            raise StepError(f"step from t = {time} to {end}: {name} became {observed[bad]}")
-
-    def _undo(self, time: float, before: tuple[Any, Any, float]) -> None:
-        self._x, self._m, self._first_step = before
-        self.time, self._offset, self._touched, self._fresh = time, 0.0, True, False
 
     def _advance(self, time: float, step: float) -> None:
         """Continuous state to the end of the step, transitions that fall inside included."""
         if self._transition:
-            u, _ = self._inputs(0.0)
-            self._x, self._m = self._transition(time, self._x, self._m, u, self._p, FLOATS)
+            self._change(time, self.values[self._first_input : self._first_derivative])
         if not self._x:
             return
-        if not self.unit.stepped:
-            self._x = self.unit.model.advance(time, step, self._x, self._m, self._coefficients(), self._p, FLOATS)
+        if not self._stepped:
+            self._x = self._model.advance(time, step, self._x, self._m, self._polynomials(), self._p, FLOATS)
             return
         done = 0.0
         while self._next_event:
-            due = self._next_event(time + done, self._m, self._p, FLOATS) - time
+            event = self._next_event(time + done, self._m, self._p, FLOATS)
+            due = event - time
             if not done < due < step * (1.0 - 1e-12):
                 break
             self._integrate(time, done, due)
             done = due
-            u, _ = self._inputs(done)
-            self._x, self._m = self._transition(time + due, self._x, self._m, u, self._p, FLOATS)  # type: ignore[misc]
+            u = [a0 + due * (a1 + due * (a2 + due * a3)) for a0, a1, a2, a3 in self._polynomials()]
+            # not time + due, which may round to just before the event
+            self._x, self._m = self._transition(event, self._x, self._m, u, self._p, FLOATS)  # type: ignore[misc]
         self._integrate(time, done, step)
 
     def _integrate(self, time: float, start: float, end: float) -> None:
-        model, p = self.unit.model, self._p
-        derivatives, indicators, transition = model.derivatives, model.indicators, self._transition
-        c = self._coefficients()
-        if any(a1 or a2 or a3 for _, a1, a2, a3 in c):
+        """Continuous state from ``time + start`` to ``time + end``."""
+        derivatives, indicators, transition = self._model.derivatives, self._model.indicators, self._transition
+        m, p, c = self._m, self._p, self._polynomials()
+        moving = [k for k, (_, a1, a2, a3) in enumerate(c) if a1 or a2 or a3]
+        u = [a[0] for a in c]
+        if len(moving) == 1:  # by far the most frequent case
+            ((a0, a1, a2, a3),) = (c[k] for k in moving)
+            before, after = u[: moving[0]], u[moving[0] + 1 :]
+
+            def inputs(s: float) -> list[float]:
+                return [*before, a0 + s * (a1 + s * (a2 + s * a3)), *after]
+        elif moving:
 
             def inputs(s: float) -> list[float]:
                 return [a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in c]
         else:
-            held = [a[0] for a in c]
 
             def inputs(s: float) -> list[float]:
-                return held
-
-        m = self._m
+                return u
 
         def rates(s: float, x: tuple[float, ...]) -> Any:
             return derivatives(time + s, x, m, inputs(s), p, FLOATS)
@@ -269,39 +310,49 @@ class Instance:
             nonlocal m
             if self._frozen:
                 return x
-            x, m = transition(time + s, x, m, inputs(s), p, FLOATS)
-            return tuple(x)
+            x, m = transition(time + s, x, m, inputs(s), p, FLOATS)  # type: ignore[misc]
+            return x
 
-        self._x, self._first_step = integrate(
-            rates, start, self._x, end, rtol=self._rtol, atol=self._atol, indicators=crossings, on_event=change,
-            first_step=self._first_step,
-        )  # fmt: skip
+        try:
+            self._x, self._first_step = integrate(
+                rates, start, self._x, end, rtol=self._rtol, atol=self._atol, indicators=crossings, on_event=change,
+                first_step=self._first_step,
+            )  # fmt: skip
+        except IntegrationError as error:
+            names = ", ".join(self.unit.model.State._fields)
+            raise IntegrationError(f"{error}; t counts from {time}, x is ({names})") from None
         self._m = m
 
     # ---- full state -------------------------------------------------------------------------------------------------
 
     def state(self) -> tuple[Any, ...]:
         """Everything, immutable: restoring it makes the instance bit-equal to what it was."""
+        if self.phase == FAILED:
+            raise CallError("the state of an instance that failed is of no use: reset it, or free it")
+        first = self._first_calculated
+        # parameters do not change once there are results: one tuple serves all states of a run
+        fixed = self._fixed if self.phase >= STEPPING else tuple(self.values[:first])
         return (
             self.phase, self.time, self.stop_time, self._offset, self._touched, self._fresh, self._first_step,
-            tuple(self._x), tuple(self._m), tuple(self.values),
+            self._x, self._m, fixed, tuple(self.values[first:]),
         )  # fmt: skip
 
     def restore(self, state: tuple[Any, ...]) -> None:
         """Set the state of this or another instance of the same unit."""
-        if len(state) != 10 or len(state[9]) != len(self.values):
+        first = self._first_calculated
+        if len(state) != 11 or len(state[9]) != first or len(state[9]) + len(state[10]) != len(self.values):
             raise CallError(f"this is not a state of {self.unit.name}")
-        old = self.values[: self._first_calculated]
-        (
-            self.phase, self.time, self.stop_time, self._offset, self._touched, self._fresh, self._first_step,
-            x, m, values,
-        ) = state  # fmt: skip
-        self.values[:] = values
-        if self.phase >= STEPPING and (self._p is None or old != self.values[: self._first_calculated]):
-            flags = self._offset, self._touched, self._fresh, self._first_step
-            self._initialize()
-            self._offset, self._touched, self._fresh, self._first_step = flags
-        self._x, self._m = tuple(x), tuple(m)
+        phase, time, stop_time, offset, touched, fresh, first_step, x, m, fixed, values = state
+        if fixed is not self._fixed or self.phase < STEPPING:
+            self.values[:first] = fixed
+            if phase >= STEPPING:
+                self._initialize()
+                self._fixed = fixed
+        self.values[first:] = values
+        self._cubics = None
+        self.phase, self.time, self.stop_time = phase, time, stop_time
+        self._offset, self._touched, self._fresh, self._first_step = offset, touched, fresh, first_step
+        self._x, self._m = x, m
 
 
 def _range(low: float | None, high: float | None) -> str:

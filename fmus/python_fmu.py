@@ -123,6 +123,7 @@ def _guid(path: Path) -> str | None:
         with zipfile.ZipFile(path) as archive:
             if archive.testzip() is not None:
                 return None
-            return ast.literal_eval(archive.read("modelDescription.xml").decode().split("guid=", 1)[1].split(" ", 1)[0])
+            text = archive.read("modelDescription.xml").decode()
+            return str(ast.literal_eval(text.split("guid=", 1)[1].split(" ", 1)[0]))
     except (OSError, KeyError, IndexError, ValueError, SyntaxError, zipfile.BadZipFile):
         return None

@@ -1,21 +1,36 @@
 """The object that PythonFMU's bridge drives inside a host process: an `Instance` behind the bridge's calling protocol.
 
-What the bridge can say is OK, Discard (``do_step`` returns False) and Fatal (an exception); a third exception in one
-instance crashes the host. Hence: a step that is refused or fails numerically is Discard with a logged message; a value
-or a call that makes no sense raises once, with a message, and after that the instance answers quietly and steps no more.
+What the bridge can say is OK, Discard (``do_step`` returns False) and Fatal (an exception); it has no Error. Hence: a
+step that is refused or fails numerically is Discard, and the instance is as it was before; any other value or call
+that makes no sense is Fatal, and so is all that follows, until a reset. Each comes with a message, which the bridge
+passes on only if the host instantiates with ``loggingOn``.
+
+What the bridge keeps to itself, so that no unit can refuse it: a wrong guid, a type other than co-simulation, fmi2Reset
+and fmi2FreeInstance at any time. It does not survive a null pointer for a state. A state cannot be refused while it is
+deserialised, so bytes of another unit are refused when they are set. A host that calls several instances from several
+threads gets them one after the other, as Python has one lock.
+
+Three faults of PythonFMU 0.7 are made good here; all are about memory (sources in `slave`, `Fmi2Slave._fatal` and
+`_release_at_exit`).
 """
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import json
+import os
+import sys
 import traceback
-from typing import Any, Callable
+from pathlib import Path
+from typing import Any
 
 from .instance import FAILED, CallError, Instance, StepError
 from .unit import load
 
-OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+DISCARD, ERROR = 2, 3
+BUILD = (__package__ or "").partition(".")[0]
+"""The private package of this FMU, whose name tells its code from that of every other version."""
 
 
 class Message:
@@ -25,6 +40,10 @@ class Message:
         self.status, self.category, self.msg = status, category, msg
 
 
+def _add_reference(owned: object) -> None:
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(owned))
+
+
 def slave(unit_name: str, script: dict[str, Any]) -> type:
     """The class that the FMU's script derives from. ``script`` is the namespace of the script.
 
@@ -32,7 +51,7 @@ def slave(unit_name: str, script: dict[str, Any]) -> type:
     that it does not own (PythonFMU 0.7: ``Py_DECREF`` of ``PyModule_GetDict``); a second instance would find the
     module gone. Each run therefore adds the reference that will be dropped.
     """
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(script))
+    _add_reference(script)
     unit = load(unit_name)
 
     class Fmi2Slave:
@@ -42,87 +61,137 @@ def slave(unit_name: str, script: dict[str, Any]) -> type:
             self.instance_name = options.get("instance_name", unit.name)
             self.instance = Instance(unit)
             self.log_queue: list[Message] = []
-            self.get_real = self._guarded(self.instance.get_values)
-            self.set_real = self._guarded(self.instance.set_values)
-            self._get_fmu_state = self.instance.state
+            resources = options.get("resources", "")
+            if resources in sys.path:
+                sys.path.remove(resources)  # the bridge puts it there for the import, once an instance
+            _release_at_exit(resources, unit.name)
 
         def _get_log_queue(self) -> list[Message]:
             return self.log_queue
 
-        def _log(self, status: int, category: str, text: str) -> None:
-            self.log_queue.append(Message(status, category, f"{self.instance_name} ({unit.name}): {text}"))
+        def _fatal(self, error: BaseException) -> RuntimeError:
+            """The exception to raise. On its way out the bridge drops the instance, its class and its messages as if
+            they were never used again, and goes on to use them (PythonFMU 0.7: ``handle_py_exception``); what it will
+            drop is added here."""
+            self.instance.fail()
+            for owned in (self, type(self), self.log_queue):
+                _add_reference(owned)
+            known = isinstance(error, CallError)
+            text = str(error) if known else "".join(traceback.format_exception(error)).strip()
+            return RuntimeError(f"{self.instance_name} ({unit.name}): {text}")
 
-        def _guarded(self, call: Callable[..., Any]) -> Callable[..., Any]:
-            """``call``, raising at most once in the life of the instance."""
-
-            def guarded(*arguments: Any) -> Any:
-                if self.instance.phase != FAILED:
-                    try:
-                        return call(*arguments)
-                    except CallError as error:
-                        self._fail(str(error))
-                    except Exception:
-                        self._fail(traceback.format_exc())
-                return [float("nan")] * len(arguments[0]) if arguments and isinstance(arguments[0], list) else None
-
-            return guarded
-
-        def _fail(self, text: str) -> None:
-            self.instance.phase = FAILED
-            self._log(FATAL, "logStatusFatal", text)
-            raise RuntimeError(f"{self.instance_name} ({unit.name}): {text}")
+        def _refused(self, status: int, category: str, error: Exception) -> bool:
+            text = f"{self.instance_name} ({unit.name}): {error}"
+            self.log_queue.append(Message(status, category, text))
+            return False
 
         def setup_experiment(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
-            self._guarded(self.instance.set_up)(start, stop)
+            try:
+                self.instance.set_up(start, stop)
+            except BaseException as error:
+                raise self._fatal(error) from None
 
         def enter_initialization_mode(self) -> None:
-            self._guarded(self.instance.enter_initialization)()
+            try:
+                self.instance.enter_initialization()
+            except BaseException as error:
+                raise self._fatal(error) from None
 
         def exit_initialization_mode(self) -> None:
-            self._guarded(self.instance.exit_initialization)()
+            try:
+                self.instance.exit_initialization()
+            except BaseException as error:
+                raise self._fatal(error) from None
 
         def terminate(self) -> None:
-            self._guarded(self.instance.terminate)()
+            try:
+                self.instance.terminate()
+            except BaseException as error:
+                raise self._fatal(error) from None
+
+        def get_real(self, references: list[int]) -> list[float]:
+            try:
+                return self.instance.get_values(references)
+            except BaseException as error:
+                raise self._fatal(error) from None
+
+        def set_real(self, references: list[int], values: list[float]) -> None:
+            try:
+                self.instance.set_values(references, values)
+            except BaseException as error:
+                raise self._fatal(error) from None
 
         def do_step(self, time: float, step: float) -> bool:
             try:
                 self.instance.do_step(time, step)
                 return True
-            except CallError as error:
-                self._log(ERROR, "logStatusError", str(error))
             except StepError as error:
-                self._log(DISCARD, "logStatusDiscard", str(error))
-            except Exception:
-                self.instance.phase = FAILED
-                self._log(ERROR, "logStatusError", traceback.format_exc())
-            return False
+                return self._refused(DISCARD, "logStatusDiscard", error)
+            except CallError as error:
+                if self.instance.phase != FAILED:
+                    return self._refused(ERROR, "logStatusError", error)
+                raise self._fatal(error) from None
+            except BaseException as error:
+                raise self._fatal(error) from None
 
-        def _no_values(self, references: list[int], values: list[Any] | None = None) -> list[Any]:
+        def _other_type(self, references: list[int], values: list[Any] | None = None) -> list[Any]:
             if references:
-                self._guarded(_wrong_type)(references)
-            return [0] * len(references)
+                error = CallError(f"all variables are of type Real, there is none with references {references}")
+                raise self._fatal(error)
+            return []
 
-        get_integer = set_integer = get_boolean = set_boolean = get_string = set_string = _no_values
+        get_integer = set_integer = get_boolean = set_boolean = get_string = set_string = _other_type
 
-        def _set_fmu_state(self, state: Any) -> None:
-            if self.instance.phase != FAILED:
-                self._guarded(self.instance.restore)(state)
-
-        @staticmethod
-        def _fmu_state_to_bytes(state: Any) -> bytes:
-            return json.dumps([unit.name, state]).encode()
-
-        @staticmethod
-        def _fmu_state_from_bytes(state: bytes) -> Any:
-            """The state, or None (which `restore` refuses) for bytes that are none of this unit's."""
+        def _get_fmu_state(self) -> tuple[Any, ...]:
             try:
-                name, content = json.loads(state.decode())
-                return tuple(content) if name == unit.name else ()
+                return self.instance.state()
+            except BaseException as error:
+                raise self._fatal(error) from None
+
+        def _set_fmu_state(self, state: tuple[Any, ...]) -> None:
+            try:
+                if self.instance.phase == FAILED:
+                    raise CallError("the instance failed before: reset it, or free it")
+                self.instance.restore(state)
+            except BaseException as error:
+                raise self._fatal(error) from None
+
+        @staticmethod
+        def _fmu_state_to_bytes(state: tuple[Any, ...]) -> bytes:
+            return json.dumps([BUILD, unit.name, state]).encode()
+
+        @staticmethod
+        def _fmu_state_from_bytes(state: bytes) -> tuple[Any, ...]:
+            """The state, or an empty one (which `restore` refuses) for bytes that no FMU of this build wrote."""
+            try:
+                build, name, content = json.loads(state.decode())
+                head, tuples = content[:7], [tuple(map(float, part)) for part in content[7:]]
             except (ValueError, TypeError):
                 return ()
+            return (*head, *tuples) if (build, name) == (BUILD, unit.name) else ()
 
     return Fmi2Slave
 
 
-def _wrong_type(references: list[int]) -> None:
-    raise CallError(f"all variables are of type Real, there is none of another type with references {references}")
+_bridges: set[str] = set()
+
+
+def _release_at_exit(resources: str, unit_name: str) -> None:
+    """Keep the bridge from corrupting the heap when the host ends.
+
+    Its destructor runs after the static object that it releases was destroyed (PythonFMU 0.7: ``onLibraryUnload``,
+    ``pyState``), which in one run of many ends in an abort of the host. Released before, there is nothing left to
+    destroy twice. Only where Python is the host: elsewhere that object may own the interpreter.
+    """
+    library = str(Path(resources).parent / "binaries" / "linux64" / f"{unit_name}.so")
+    if sys.platform == "linux" and sys.orig_argv and library not in _bridges:
+        _bridges.add(library)
+        atexit.register(_release, library)
+
+
+def _release(library: str) -> None:
+    try:
+        bridge = ctypes.CDLL(library, os.RTLD_NOW | os.RTLD_NOLOAD)  # type: ignore[attr-defined,unused-ignore]
+        bridge.finalizePythonInterpreter()
+    except (OSError, AttributeError):
+        pass  # unloaded before, or of another version

@@ -14,13 +14,15 @@ ELASTICITY = (
 )  # fmt: skip
 
 
-def margins(depends: tuple[str, ...]) -> tuple[Variable, ...]:
-    """Margins of a line; ``depends`` names the inputs that move its ends."""
+def margins(depends: tuple[str, ...], rate_depends: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+    """Margins of a line; ``depends`` names the inputs that move its ends, ``rate_depends`` those that change only the
+    speed of an end."""
     return (
         margin("taut", "min(1, K e / W), e the stretch and W the static tension; the line is slack below 0", depends),
         margin("breaking", "1 - (T - W)/(T_break - W)", depends),
-        margin("propagation", "1 - (L/c) |dT/dt| / (0.4 W), L/c the travel time of a wave along the line", depends),
-    )
+        margin("propagation", "1 - (L/c) |dT/dt| / (0.4 W), L/c the travel time of a wave along the line",
+               depends + rate_depends),
+    )  # fmt: skip
 
 
 BRANCH = (
@@ -34,8 +36,10 @@ UNIT = Unit(
     name="spring_line",
     description="Elastic line between a ship and a suspended body, with slack",
     model=spring_line,
-    parameters=ELASTICITY
-    + (parameter("static_tension", "N", 0.0, "Tension at rest: the weight in water carried", display="lbf", min=0.0),),
+    parameters=(
+        *ELASTICITY,
+        parameter("static_tension", "N", 0.0, "Tension at rest: the weight in water carried", display="lbf", min=0.0),
+    ),
     calculated=(
         calculated("port_stiffness", "N/m", "Stiffness seen at both ends"),
         calculated("unstretched_length", "m", "Length before the static tension stretched the line"),

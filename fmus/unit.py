@@ -107,8 +107,8 @@ class Unit:
         """All variables; the position is the value reference."""
         derivatives = tuple(
             Variable(
-                f"{v.name}_d{k}", per_second(v.unit, k), f"Derivative of order {k} of {v.name} at the communication point",
-                0.0, "parameter", "tunable",
+                f"{v.name}_d{k}", per_second(v.unit, k),
+                f"Derivative of order {k} of {v.name} at the communication point", 0.0, "parameter", "tunable",
             )
             for v in self.inputs for k in INPUT_ORDERS
         )  # fmt: skip

@@ -10,14 +10,14 @@
 | mu, w | mass and weight in water per length | kg/m, N/m |
 | lam | nu rho pi h^2/(4 mu): added mass over mass, normal to the cable | - |
 | m, m_s, m_h | mass of the body, its added masses in surge and heave | kg |
-| W_B, L_B, D_B | weight in water less nothing, hydrodynamic or buoyant lift, drag of the body | N |
+| W_B, L_B, D_B | weight (in water, or in air with the buoyancy in L_B), lift and drag of the body | N |
 | c | tow speed | m/s |
 | EA | axial stiffness; infinite: inextensible | N |
 
 The numbers may be in any consistent units.
 
-Assumptions: (1) motion in the vertical plane of towing, still water; (2) no bending stiffness, no torsion; (3) loads per
-unstretched length; (4) constant lift and drag of the body, unless damping is given.
+Assumptions: (1) motion in the vertical plane of towing, still water; (2) no bending stiffness, no torsion; (3) loads
+per unstretched length; (4) constant lift and drag of the body, unless damping is given.
 
 Source: small-perturbation report on towed cables, Equations [1]-[14], Figures 1 and 2.
 """
@@ -128,8 +128,10 @@ def refusal(tow: Tow) -> str:
         if not math.isfinite(value):
             return f"{owner}.{name} is {value}: expected a finite number"
         if name == "speed" and value == 0.0:
-            return "speed is 0: the direction of the flow is undefined and the linear drag vanishes; expected a speed > 0"
-        if (name in POSITIVE and owner != "body" or name == "axial_stiffness") and not value > 0.0:
+            return (
+                "speed is 0: the direction of the flow is undefined and the linear drag vanishes; expected a speed > 0"
+            )
+        if ((name in POSITIVE and owner != "body") or name == "axial_stiffness") and not value > 0.0:
             return f"{owner}.{name} is {value:g}: expected a positive number"
         if name not in SIGNED and value < 0.0:
             return f"{owner}.{name} is {value:g}: expected a number >= 0"
@@ -142,7 +144,9 @@ def refusal(tow: Tow) -> str:
             "expected drag or a net weight, however small"
         )
     if tow.quadrant == 1 and net < 0.0:
-        return f"the body is buoyant (lift exceeds weight by {-net:g}) in Quadrant I: expected quadrant 2, or more weight"
+        return (
+            f"the body is buoyant (lift exceeds weight by {-net:g}) in Quadrant I: expected quadrant 2, or more weight"
+        )
     if tow.quadrant == 2 and net > 0.0:
         return f"the body is heavy (weight exceeds lift by {net:g}) in Quadrant II: expected quadrant 1, or more lift"
     return ""

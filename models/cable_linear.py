@@ -2,11 +2,12 @@
 
     x' = A x + B u,    y = C x + D u + E u'
 
-| model | inputs u | states x |
-|---|---|---|
-| `tow_rigid`: cable that keeps its length, with body | velocity of the towpoint, m/s; force on the body, N | rotations eta of the segments, rad; momenta p = Z'M q' |
-| `tow_elastic`: elastic cable with body | the same | displacements relative to the towpoint, m; velocities, m/s |
-| `cable_elastic`: elastic cable alone | velocities of towpoint and body, m/s; offset of the body, m | of the inner nodes, as above |
+* `tow_rigid`, cable that keeps its length, with body. Inputs: velocity of the towpoint, m/s, force on the body, N.
+  States: rotations eta of the segments, rad, and momenta p = Z'M q'.
+* `tow_elastic`, elastic cable with body. The same inputs. States: displacements relative to the towpoint, m, and
+  velocities, m/s, of all nodes but the towpoint.
+* `cable_elastic`, elastic cable alone. Inputs: velocities of towpoint and body, m/s, and the offset of the body from
+  the towpoint, m. States as before, of the inner nodes.
 
 All are perturbations from the steady tow. Velocities are the only motion that comes in: position and velocity
 interpolated separately contradict each other, which was measured to cost 20 % of the force at steps of 0.1 s. The load
@@ -25,14 +26,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .cable_lumped import Array, Chain, Matrices, equilibrium, matrices
 from .cable_case import CableError, Tow
+from .cable_lumped import Chain, Matrices, equilibrium, matrices, node_load
 from .cable_perturbation import ComplexArray
+from .cable_steady import Array
 
 FORCE = slice(0, 2)
 """Rows of y: force of the cable on the towpoint, N, forward and up."""
 BODY_VELOCITY = slice(2, 4)
-"""Rows of y: velocity of the body in the towing frame, m/s; in `cable_elastic` the force of the cable on the body, N."""
+"""Rows of y: velocity of the body in the towing frame, m/s; in `cable_elastic` the cable's force on it, N."""
 BODY_OFFSET = slice(4, 6)
 """Rows of y: displacement of the body relative to the towpoint, m."""
 END_TENSION = slice(6, 8)
@@ -89,12 +91,12 @@ def _end_directions(chain: Chain, m: Matrices) -> tuple[Array, Array]:
 def steady_towpoint_force(chain: Chain) -> Array:
     """Steady force of the cable on the towpoint, N, forward and up."""
     tow = chain.tow
-    # all external forces on body and cable end up there; the drag follows from the node balances
-    from .cable_lumped import node_load
-
     along = chain.directions[-1]
-    drag = np.array(node_load(tow, chain.segment, tuple(tow.sign * along), (tow.speed, 0.0)), dtype=float)
-    return -chain.tension[-1] * along + drag - np.array([0.0, 0.5 * tow.cable.weight * chain.segment])
+    drag = np.array(
+        node_load(tow, chain.segment, (tow.sign * along[0], tow.sign * along[1]), (tow.speed, 0.0)), dtype=float
+    )
+    force: Array = -chain.tension[-1] * along + drag - np.array([0.0, 0.5 * tow.cable.weight * chain.segment])
+    return force
 
 
 def tow_rigid(tow: Tow, count: int) -> LinearModel:
@@ -196,8 +198,15 @@ def _profile(chain: Chain) -> Array:
 
 
 def _assemble(
-    m: Matrices, a: Array, b: Array, top: tuple[Array, Array, Array], second: tuple[Array, Array], offset: Array,
-    pull: tuple[Array, Array], profile: Array, profile_u: Array | None,
+    m: Matrices,
+    a: Array,
+    b: Array,
+    top: tuple[Array, Array, Array],
+    second: tuple[Array, Array],
+    offset: Array,
+    pull: tuple[Array, Array],
+    profile: Array,
+    profile_u: Array | None,
 ) -> LinearModel:
     body_along, top_along = _end_directions(m.chain, m)
     inputs = b.shape[1]
@@ -226,7 +235,9 @@ def cable_elastic(tow: Tow, count: int) -> LinearModel:
     inner, f, last = slice(2, 2 * n), 2 * (n - 1), slice(2 * n, 2 * n + 2)
     b_inner = np.tile(np.eye(2), (n - 1, 1))
     inverse = np.linalg.inv(mass[inner, inner])
-    a = np.block([[np.zeros((f, f)), np.eye(f)], [-inverse @ stiffness[inner, inner], -inverse @ damping[inner, inner]]])
+    a = np.block(
+        [[np.zeros((f, f)), np.eye(f)], [-inverse @ stiffness[inner, inner], -inverse @ damping[inner, inner]]]
+    )
     b = np.block([
         [-b_inner, np.zeros((f, 4))],
         [-inverse @ damping[inner, last], -inverse @ damping[inner, :2], -inverse @ stiffness[inner, :2]],

@@ -10,8 +10,8 @@
 | F_L, F_G | load per length against n and against t: the force on the cable is -F_L n - F_G t | N/m |
 | rho, h, C_D | density of the water, thickness of the cable, drag coefficient | kg/m3, m, - |
 
-In the source's form for Quadrant I (V > 0) and Quadrant II (V < 0) the sign sigma multiplies A1 and B2 of the normal and
-A0, A2 and B1 of the tangential set; both are the one form above, by the mirror symmetry of a round cable. The signs of
+In the source's form for Quadrant I (V > 0) and Quadrant II (V < 0) the sign sigma multiplies A1 and B2 of the normal
+and A0, A2 and B1 of the tangential set; both are the one form above, by the mirror symmetry of a round cable. The signs of
 U and V extend it to every direction (the source: sin^2 must become sin abs(sin) where phi leaves its quadrant).
 
 Assumptions: (1) the load depends on the local velocity only; (2) the cable is round or faired symmetrically.

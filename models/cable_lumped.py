@@ -8,7 +8,7 @@ added mass use the node's velocity and the segment's own direction, so that no z
 
     half drag   -(l/2) (F_L n + F_G t) at U = v.n, V = v.t           half inertia   (mu l/2)(1 + lam n n')
     momentum form of the added mass, in addition                     -(lam mu l/2) phi' (V n + U t)
-    tension     T_k = EA (|r_{k+1} - r_k|/l - 1), or the multiplier that keeps the segment's length
+    tension     T_k = EA max(0, |r_{k+1} - r_k|/l - 1), or the multiplier that keeps the segment's length
 
 q (m) are displacements in the towing frame, v (m/s) velocities through the water, forces in N; symbols and assumptions
 of ``cable_case.py``. The equilibrium is that of the discrete equations, found node by node from the body. Linearising
@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -54,11 +55,11 @@ class Chain:
         return unit
 
 
-def node_load(tow: Tow, segment: float, tangent: tuple[object, object], velocity: tuple[object, object]) -> tuple[object, object]:
+def node_load(tow: Tow, segment: float, tangent: tuple[Any, Any], velocity: tuple[Any, Any]) -> tuple[Any, Any]:
     """Drag, N, of half a segment with unit ``tangent`` on a node with ``velocity`` through the water, m/s; scalars or
     arrays, real or complex."""
     (tx, ty), (vx, vy) = tangent, velocity
-    u, v = vx * ty - vy * tx, vx * tx + vy * ty  # type: ignore[operator]
+    u, v = vx * ty - vy * tx, vx * tx + vy * ty
     # the load is odd in U and the tangential one odd in V: the mirror symmetry of the section
     sign_u, sign_v = 1.0 - 2.0 * (np.real(u) < 0.0), 1.0 - 2.0 * (np.real(v) < 0.0)
     loading, half = tow.cable.loading, 0.5 * segment * tow.drag_factor
@@ -86,13 +87,15 @@ def equilibrium(tow: Tow, count: int) -> Chain:
         low = 0.0 if tow.quadrant == 1 else 0.5 * math.pi
         if not (tension > 0.0 and low - 1e-9 <= phi <= low + 0.5 * math.pi + 1e-9):
             raise CableError(
-                f"segment {k} of {count} leaves the quadrant (angle {math.degrees(phi):.4g} deg) or is slack: expected more "
-                "nodes, or a tow whose steady shape stays inside"
+                f"segment {k} of {count} leaves the quadrant (angle {math.degrees(phi):.4g} deg) or is slack: expected "
+                "more nodes, or a tow whose steady shape stays inside"
             )
         position = position + segment * (1.0 + tension / tow.cable.axial_stiffness) * along
         nodes.append(position)
         tensions.append(tension)
-        drag = np.array(node_load(tow, segment, tuple(tow.sign * along), (tow.speed, 0.0)), dtype=float)
+        drag = np.array(
+            node_load(tow, segment, (tow.sign * along[0], tow.sign * along[1]), (tow.speed, 0.0)), dtype=float
+        )
         # what the next segment must pull: this one's pull less both their loads, of which its own is still unknown
         needed = tension * along - drag + np.array([0.0, weight])
     return Chain(tow, np.array(nodes), np.array(tensions), segment)
@@ -105,7 +108,7 @@ def _direction(tow: Tow, segment: float, needed: Array, guess: float) -> tuple[f
         z = complex(angle, COMPLEX_STEP)
         along = np.cos(z), np.sin(z)
         drag = node_load(tow, segment, (tow.sign * along[0], tow.sign * along[1]), (tow.speed, 0.0))
-        pull = complex(needed[0]) - drag[0], complex(needed[1]) - drag[1]  # type: ignore[operator]
+        pull = complex(needed[0]) - drag[0], complex(needed[1]) - drag[1]
         residual = pull[0] * along[1] - pull[1] * along[0]
         slope = residual.imag / COMPLEX_STEP
         if slope == 0.0:
@@ -126,7 +129,12 @@ def _direction(tow: Tow, segment: float, needed: Array, guess: float) -> tuple[f
 
 
 def segment_forces(
-    tow: Tow, segment: float, lower: Array, upper: Array, lower_velocity: Array, upper_velocity: Array,
+    tow: Tow,
+    segment: float,
+    lower: Array,
+    upper: Array,
+    lower_velocity: Array,
+    upper_velocity: Array,
     tension: Array | None,
 ) -> tuple[Array, Array]:
     """Forces, N, of the segments on their lower (nearer the body) and upper nodes, shape (2, n) each: tension, drag,
@@ -138,14 +146,18 @@ def segment_forces(
     along = d / length
     tangent = tow.sign * along
     normal = np.stack([tangent[1], -tangent[0]])
-    pull = (cable.axial_stiffness * (length / segment - 1.0) if tension is None else tension) * along
+    if tension is None:
+        stretch = length / segment - 1.0
+        # a slack segment pulls nothing
+        tension = cable.axial_stiffness * stretch * (np.real(stretch) > 0.0)
+    pull = tension * along
     weight = np.array([[0.0], [0.5 * cable.weight * segment]])
     relative = upper_velocity - lower_velocity
     turning = -tow.sign * (relative[0] * normal[0] + relative[1] * normal[1]) / length
     convected = 0.5 * segment * cable.mass * tow.added_mass_ratio * turning if cable.momentum_form else 0.0
     forces = []
     for sign, velocity in ((1.0, lower_velocity), (-1.0, upper_velocity)):
-        load = np.stack(node_load(tow, segment, (tangent[0], tangent[1]), (velocity[0], velocity[1])))  # type: ignore[arg-type]
+        load = np.stack(node_load(tow, segment, (tangent[0], tangent[1]), (velocity[0], velocity[1])))
         u = velocity[0] * normal[0] + velocity[1] * normal[1]
         v = velocity[0] * tangent[0] + velocity[1] * tangent[1]
         forces.append(sign * pull + load - weight - convected * (v * normal + u * tangent))
@@ -195,7 +207,15 @@ def matrices(chain: Chain, elastic: bool) -> Matrices:
             for target, what in ((stiffness, 0), (damping, 1)):
                 arguments = [ends[0].copy(), ends[1].copy(), velocity.copy(), velocity.copy()]
                 arguments[2 * what + node][i] += 1j * COMPLEX_STEP
-                found = segment_forces(tow, chain.segment, *arguments, tension=None if elastic else chain.tension)
+                found = segment_forces(
+                    tow,
+                    chain.segment,
+                    arguments[0],
+                    arguments[1],
+                    arguments[2],
+                    arguments[3],
+                    None if elastic else chain.tension,
+                )
                 for other in range(2):
                     for j in range(2):
                         np.add.at(

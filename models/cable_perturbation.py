@@ -21,8 +21,8 @@ inextensible. The body's rows are [39] and [40] with its damping, the towpoint's
 Assumptions: (1) amplitudes small against the steady values; (2) of ``cable_case.py``. The phase of q1 is
 atan2(Im, Re): q = |q1| cos(omega t - phase).
 
-Source: small-perturbation report on towed cables, Equations [17]-[24], [35]-[44]; validated there for cables to 1200 ft,
-to 0.8 Hz, 6 to 14 kn.
+Source: small-perturbation report on towed cables, Equations [17]-[24], [35]-[44]; validated there for cables to
+1200 ft, to 0.8 Hz, 6 to 14 kn.
 """
 
 from __future__ import annotations
@@ -67,9 +67,7 @@ def coefficients(tow: Tow, omega: float, angle: Array, log_tension: Array) -> Co
     convected = lam * c if cable.momentum_form else 0.0
     inertia = 1j * omega * cable.mass
     a = np.empty((*np.shape(angle), 4, 4), dtype=complex)
-    a[..., 0, 0] = (
-        -per_speed * c * normal_slope - cable.weight * sine + inertia * convected * cosine
-    ) / tension
+    a[..., 0, 0] = (-per_speed * c * normal_slope - cable.weight * sine + inertia * convected * cosine) / tension
     a[..., 0, 1] = -curvature / tension
     a[..., 0, 2] = (-per_speed * (2.0 * normal * sine + normal_slope * cosine) + inertia * (1.0 + lam)) / tension
     a[..., 0, 3] = -per_speed * (2.0 * normal * cosine - normal_slope * sine) / tension
@@ -83,7 +81,8 @@ def coefficients(tow: Tow, omega: float, angle: Array, log_tension: Array) -> Co
     a[..., 3, 0] = a[..., 3, 3] = 0.0
     a[..., 3, 1] = -1j * omega / cable.axial_stiffness
     a[..., 3, 2] = -curvature
-    return tow.sign * a
+    a *= tow.sign
+    return a
 
 
 def body_rows(tow: Tow, omega: float, excitation: Excitation) -> tuple[ComplexArray, ComplexArray]:

@@ -70,8 +70,8 @@ def respond_by_shooting(tow: Tow, omega: float, excitation: Excitation) -> tuple
     error = 1e-16 * condition
     if error > LOST:
         warnings.warn(
-            f"the two shooting modes have lost their independence (condition {condition:.1e}, expected error {error:.0e}): "
-            "use the default method",
+            f"the two shooting modes have lost their independence (condition {condition:.1e}, expected error "
+            f"{error:.0e}): use the default method",
             LostIndependence,
             stacklevel=2,
         )

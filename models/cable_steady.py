@@ -90,13 +90,14 @@ def interpolation(point: float, degree: int = DEGREE) -> Array:
     difference = point - nodes
     hit = np.flatnonzero(np.abs(difference) < 1e-14)
     if len(hit):
-        row = np.zeros(degree + 1)
+        row: Array = np.zeros(degree + 1)
         row[hit[0]] = 1.0
         return row
     weights = (-1.0) ** np.arange(degree + 1)
     weights[[0, -1]] *= 0.5
-    terms: Array = weights / difference
-    return terms / terms.sum()
+    row = weights / difference
+    row /= row.sum()
+    return row
 
 
 def slopes(tow: Tow, angle: Array, log_tension: Array) -> tuple[Array, Array]:
@@ -155,10 +156,10 @@ def steady(tow: Tow, edges: Array | None = None) -> Steady:
     angle, log_tension, x, y = (np.empty((count, len(nodes))) for _ in range(4))
     state = np.array([tow.end_angle, math.log(tow.end_tension)])
     x_end = y_end = 0.0
-    solve_integral = np.linalg.inv(derivative[:, 1:])
+    solve_integral: Array = np.linalg.inv(derivative[:, 1:]).astype(float)
     for k in range(count):
         half = 0.5 * (edges[k + 1] - edges[k])
-        angle[k], log_tension[k] = _element(tow, state, half, values, derivative, solve_integral)
+        angle[k], log_tension[k] = _element(tow, state, half, values, derivative)
         state = np.array([angle[k, -1], log_tension[k, -1]])
         at_gauss = values @ angle[k]
         stretch = half * tow.sign * (1.0 + np.exp(values @ log_tension[k]) / tow.cable.axial_stiffness)
@@ -169,9 +170,7 @@ def steady(tow: Tow, edges: Array | None = None) -> Steady:
     return Steady(tow, edges, angle, log_tension, x, y)
 
 
-def _element(
-    tow: Tow, start: Array, half: float, values: Array, derivative: Array, inverse: Array
-) -> tuple[Array, Array]:
+def _element(tow: Tow, start: Array, half: float, values: Array, derivative: Array) -> tuple[Array, Array]:
     """(phi0, ln T0) at the nodes of one element by Newton's method with finite differences of the local slopes."""
     p = len(values)
     y = np.repeat(start[:, None], p + 1, axis=1)

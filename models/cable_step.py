@@ -58,6 +58,4 @@ def exact_step(a: Array, b: Array, step: float, order: int = ORDER) -> ExactStep
         block[n + k * m : n + (k + 1) * m, n + (k + 1) * m : n + (k + 2) * m] = np.eye(m)
     found = expm(block)
     gains = [found[:n, n + k * m : n + (k + 1) * m] * math.factorial(k) * step**k for k in range(order + 1)]
-    return ExactStep(
-        found[:n, :n] * scale[:, None] / scale, np.hstack(gains) * scale[:, None]
-    )
+    return ExactStep(found[:n, :n] * scale[:, None] / scale, np.hstack(gains) * scale[:, None])

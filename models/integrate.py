@@ -90,10 +90,13 @@ def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: 
     """Largest error over its tolerance."""
     worst = [0.0, 0.0]
     for which, error in enumerate(errors):
+        largest = 0.0
         for e, a, b, tiny in zip(error, x, y, atol):
-            r = abs(e) / (tiny + rtol * max(abs(a), abs(b)))
-            if not r <= worst[which]:
-                worst[which] = r
+            a, b = abs(a), abs(b)
+            r = abs(e) / (tiny + rtol * (a if a > b else b))
+            if not r <= largest:
+                largest = r
+        worst[which] = largest
     first, second = worst
     if len(errors) == 1 or first == 0.0:
         return first
@@ -185,10 +188,12 @@ def _crossing(
     f_new: Sequence[float],
 ) -> bool:
     """Whether some indicator changes sign within the step, looked for at the end and at mid-step."""
-    if any((a > 0.0) != (b > 0.0) for a, b in zip(g, g_new)):
+    before = [a > 0.0 for a in g]
+    if before != [a > 0.0 for a in g_new]:
         return True
-    middle = indicators(t + 0.5 * h, interpolate(0.5, h, x, f, y, f_new))
-    return any((a > 0.0) != (b > 0.0) for a, b in zip(g, middle))
+    w = 0.125 * h  # the cubic Hermite interpolant at mid-step
+    middle = tuple([0.5 * (p + q) + w * (r - v) for p, q, r, v in zip(x, y, f, f_new)])
+    return before != [a > 0.0 for a in indicators(t + 0.5 * h, middle)]
 
 
 def _locate(

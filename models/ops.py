@@ -8,8 +8,9 @@ form that a trace and a batch can follow.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Callable
+from typing import Any
 
 Value = Any
 """A float, a numpy array or a CasADi symbol."""

@@ -14,7 +14,9 @@ Near a solution an iteration with fraction f of the step multiplies the error of
 j = j_seed (``seed``, f = 1: the source) it therefore converges linearly, oscillates with growing amplitude where
 j_exact > 2 j_seed, that is where a storm focuses the tracks, and, because j_seed > 0, is driven away from extremals
 behind a conjugate point, where j_exact < 0. ``safeguarded`` takes j = max(j_seed, j_exact), |d alpha| <= 0.3,
-|dT| <= 0.2 T: the multiplier lies in [0, 1) at every local minimum and above 1 elsewhere, so it ends in minima only.
+|dT| <= 0.2 T, the first bound halved whenever alpha turns back and grown where it goes on: the multiplier lies in [0, 1) at every local minimum
+and above 1 elsewhere, so it ends in minima only, and limit cycles across the ridge between two of them die out. Once
+the miss is small and j_exact > 0, j = j_exact: a saddle has j_exact < 0, so Newton's method cannot end in one there.
 
 Certificate: j_exact > 0 along the whole track is Jacobi's condition (no conjugate point); with the convex polar this
 makes the track a strict local minimum.
@@ -41,6 +43,8 @@ from .system import DORMAND_PRINCE_8
 DELTA = 1e-6
 """Difference of alpha for j_exact, rad: the error of a share 1e-6 lies far below what the iteration feels."""
 TURN_LIMIT, TIME_LIMIT = 0.3, 0.2
+NEAR = 0.02
+"""Miss over the distance below which j = j_exact > 0 is taken: quadratic convergence in mild seas too."""
 Point = tuple[float, float]
 
 
@@ -111,8 +115,10 @@ def shoot(
     k = len(alpha)
     miss, j_seed, j_exact = (np.full(k, math.inf) for _ in range(3))
     done, count = np.zeros(k, dtype=bool), np.zeros(k, dtype=int)
+    turn, last = np.full(k, TURN_LIMIT), np.zeros(k)
     active = np.arange(k)
-    reach = tolerance * math.dist(start, end)
+    span = math.dist(start, end)
+    reach = tolerance * span
     ceiling = 50.0 * float(np.max(time))
     for _ in range(iterations + 1):
         n = len(active)
@@ -129,7 +135,9 @@ def shoot(
             exact = (nx * (state[1, n:] - y) - ny * (state[0, n:] - x)) / DELTA
             dx, dy = end[0] - x, end[1] - y
             distance = np.hypot(dx, dy)
-            j = {"safeguarded": np.maximum(seed, exact), "seed": seed, "exact": exact}[method]
+            near = (exact > 0.0) & (distance < NEAR * span)
+            guarded = np.where(near, exact, np.maximum(seed, exact))
+            j = {"safeguarded": guarded, "seed": seed, "exact": exact}[method]
             d_time = (nx * dx + ny * dy) / (nx * vx + ny * vy)
             d_alpha = (nx * (dy - vy * d_time) - ny * (dx - vx * d_time)) / j
         miss[active], j_seed[active], j_exact[active] = distance, seed, exact
@@ -137,8 +145,11 @@ def shoot(
         bad = ~np.isfinite(d_time + d_alpha + distance)
         done[active[hit]] = True
         if method == "safeguarded":
-            d_alpha = np.clip(d_alpha, -TURN_LIMIT, TURN_LIMIT)
+            swings = d_alpha * last[active] < 0.0
+            turn[active] = np.where(swings, 0.5 * turn[active], np.minimum(TURN_LIMIT, 1.5 * turn[active]))
+            d_alpha = np.clip(d_alpha, -turn[active], turn[active])
             d_time = np.clip(d_time, -TIME_LIMIT * time[active], TIME_LIMIT * time[active])
+        last[active] = d_alpha
         go = ~hit & ~bad
         moved = active[go]
         alpha[moved] += fraction * d_alpha[go]
@@ -148,10 +159,17 @@ def shoot(
     return Shots(alpha, time, miss, done, count, j_seed, j_exact)
 
 
-def track(medium: Medium, start: Point, alpha: float, time: float, steps: int = 64) -> Track:
-    """The extremal with ``alpha`` at ``steps`` + 1 instants."""
-    _, history = _fly(medium, start, np.array([alpha, alpha + DELTA]), np.array([time, time]), steps, keep=True)
-    x, y, lx, ly = (history[:, i, 0] for i in range(4))
-    size = np.hypot(lx, ly)
-    j = (lx / size * (history[:, 1, 1] - y) - ly / size * (history[:, 0, 1] - x)) / DELTA
-    return Track(np.linspace(0.0, time, steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j)
+def tracks(
+    medium: Medium, start: Point, alpha: Sequence[float] | Array, time: Sequence[float] | Array, steps: int = 32
+) -> list[Track]:
+    """The extremals of k pairs ``alpha``, ``time`` at ``steps`` + 1 instants each."""
+    k = len(alpha)
+    first, last = np.array(alpha, dtype=float), np.array(time, dtype=float)
+    _, history = _fly(medium, start, np.concatenate([first, first + DELTA]), np.tile(last, 2), steps, keep=True)
+    found = []
+    for i in range(k):
+        x, y, lx, ly = (history[:, c, i] for c in range(4))
+        size = np.hypot(lx, ly)
+        j = (lx / size * (history[:, 1, k + i] - y) - ly / size * (history[:, 0, k + i] - x)) / DELTA
+        found.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j))
+    return found

@@ -21,8 +21,9 @@ of free motion and response is exact because the oscillator is linear.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Sequence
+from typing import NamedTuple
 
 from .ops import Ops, Value
 
@@ -78,16 +79,22 @@ class Calculated(NamedTuple):
     damping_ratio: Value
 
 
+def ramp(t: Value, ramp_time: Value, ops: Ops) -> tuple[Value, Value, Value]:
+    """r and its first two time derivatives, 1, 1/s, 1/s2."""
+    scale = ops.where(ramp_time > 0.0, 1.0 / ops.where(ramp_time > 0.0, ramp_time, 1.0), 0.0)
+    s = ops.where(ramp_time > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
+    r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+    r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
+    r2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * scale * scale
+    return r, r1, r2
+
+
 def free_motion(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value, Value]:
     """Free heave, m, its rate, m/s, and acceleration, m/s2."""
     omega = 2.0 * math.pi / p.heave_period
     phase = omega * t + p.heave_phase
     sine, cosine = ops.sin(phase), ops.cos(phase)
-    scale = ops.where(p.ramp_time > 0.0, 1.0 / ops.where(p.ramp_time > 0.0, p.ramp_time, 1.0), 0.0)
-    s = ops.where(p.ramp_time > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
-    r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
-    r2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * scale * scale
+    r, r1, r2 = ramp(t, p.ramp_time, ops)
     a = p.heave_amplitude
     return (
         a * r * sine,

@@ -13,8 +13,9 @@ positive: no quadrature, no cancellation. An orthogonal change of basis from the
 makes K0 = diag(kappa^2); with displacements counted in units of 1/kappa the companion matrix is balanced, its norm the
 largest kappa and not the largest kappa^2. w is the lateral position of the craft over L.
 
-Against a determinant in 60 to 70 digits, 26 functions give the first six roots to 2e-12 .. 3e-9 for u from 0.01 to 12;
-Chebyshev collocation of the strong form reaches 1e-6 .. 1e-7 (its fourth derivative is ill conditioned).
+Against the series determinant about the middle (90 terms), 26 functions give the first six roots to 1e-14 .. 2e-13 for u
+from 0.01 to 12 and Lam from 0.5 to 10, and to 3e-9 for Lam = 1e-6. Chebyshev collocation of the strong form reaches
+1e-6 .. 1e-7: its fourth derivative is ill conditioned.
 
 Source: weak form of thesis equation 61 with its boundary conditions; programs E and F for the coefficients.
 """

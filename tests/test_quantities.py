@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import pytest
@@ -105,18 +106,14 @@ def test_errors_are_value_errors() -> None:
 
 @given(st.text(max_size=60), st.sampled_from(["m", "1", "N.s/m"]))
 def test_any_text_is_a_number_or_a_quantity_error(text: str, expected: str) -> None:
-    try:
+    with contextlib.suppress(q.QuantityError):
         assert math.isfinite(q.parse_quantity(text, expected))
-    except q.QuantityError:
-        pass
 
 
 @given(st.text(alphabet="mstN1238.*/()^- ", max_size=30))
 def test_any_expression_is_a_unit_or_a_quantity_error(text: str) -> None:
-    try:
+    with contextlib.suppress(q.QuantityError):
         assert len(q.dimension(text)) == len(q.BASES)
-    except q.QuantityError:
-        pass
 
 
 @given(values, expressions)

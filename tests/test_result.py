@@ -103,7 +103,7 @@ def test_npz_round_trip_of_any_names_and_values(tmp_path_factory, names, values,
     path = tmp_path_factory.getbasetemp() / "any.npz"
     columns = dict.fromkeys(names, values)
     result = Result("t", "c", "jacobi", "failed", "".join(names), values, columns, {}, one_way=columns)
-    result.events, result.statistics = [Event(number, *(names + ["a", "b"])[:2], 0)], {"wall_s": number}
+    result.events, result.statistics = [Event(number, *([*names, "a", "b"])[:2], 0)], {"wall_s": number}
     result.save_npz(path)
     assert_equal(result, Result.load_npz(path))
 
@@ -138,7 +138,7 @@ def test_csv_reads_back_exactly_with_units(tmp_path):
 
 def test_mat_has_valid_names_and_says_what_they_were(tmp_path):
     result = cradle()
-    result.columns |= {name: result.time for name in ("line_tension", "end", "1st", "Motor.w[1]", "x" * 80, "x" * 81)}
+    result.columns |= dict.fromkeys(("line_tension", "end", "1st", "Motor.w[1]", "x" * 80, "x" * 81), result.time)
     result.save_mat(tmp_path / "run.mat")
     content = loadmat(tmp_path / "run.mat", chars_as_strings=True)
     rows = [[cell.item() for cell in row] for row in content["variables"]]

@@ -102,7 +102,9 @@ def before_run(system: System, found: list[Loop], scheme: str, step: float) -> l
             other = next((s for s in LIMITS if product <= LIMITS[s][len(loop.masses) > 1]), None)
             advice = f"a step of at most {limit / loop.frequency:.3g} s" + (f", or scheme {other!r}" if other else "")
             merge = "" if other else ", or units that join line and cradle (cradle_on_line)"
-            checks.append(Check("step", "refused", product, limit, f"{what}, limit {limit:g} for {scheme}: use {advice}{merge}"))
+            checks.append(
+                Check("step", "refused", product, limit, f"{what}, limit {limit:g} for {scheme}: use {advice}{merge}")
+            )
         elif product > WARN:
             checks.append(Check("step", "warning", product, WARN, f"{what}: above {WARN:g} the coupling error is felt"))
         else:

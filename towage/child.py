@@ -15,12 +15,15 @@ import signal
 import subprocess
 import sys
 import threading
+import time as clock
 from collections import deque
 from collections.abc import Callable
 from typing import IO, Any
 
 POLL = 0.1
 """Longest wait for a line before the child is looked at, s."""
+START = 30.0
+"""What a child is given beyond the timeout until it first speaks, s: it loads its libraries."""
 GRACE = 5.0
 """What a child that has answered, or has lost its voice, is given to end, s."""
 SHOWN_LINES = 20
@@ -53,6 +56,8 @@ def converse(module: str, request: bytes, report: Report | None, timeout: float)
     ]
     for thread in threads:
         thread.start()
+    answer: dict[str, Any] = {}
+    died: Died | None = None
     try:
         with contextlib.suppress(OSError):  # a child that died at once is found dead below
             child.stdin.write(request)
@@ -61,9 +66,7 @@ def converse(module: str, request: bytes, report: Report | None, timeout: float)
         with contextlib.suppress(subprocess.TimeoutExpired):
             child.wait(GRACE)
     except Died as death:
-        death.printed = b"".join(printed).decode(errors="replace").strip()
-        printed.clear()
-        raise
+        died = death
     finally:
         if child.poll() is None:
             child.kill()
@@ -74,8 +77,11 @@ def converse(module: str, request: bytes, report: Report | None, timeout: float)
             thread.join(GRACE)
             if not thread.is_alive():  # a process that a unit left behind may hold the pipe
                 stream.close()
-    for line in printed:
-        sys.stderr.write(line.decode(errors="replace"))
+    text = b"".join(printed).decode(errors="replace")
+    if died:
+        died.printed = text.strip()
+        raise died
+    sys.stderr.write(text)
     return answer
 
 
@@ -91,31 +97,30 @@ def _listen(
     report: Report | None,
     timeout: float,
 ) -> dict[str, Any]:
-    """Pass progress on until the child answers. Silence is counted in polls, not on a clock, so that a machine or a
+    """Pass progress on until the child answers. Of a wait at most `POLL` counts as silence, so that a machine or a
     terminal that was suspended kills nobody."""
-    silence, last = 0.0, None
+    silence = 0.0
+    last: tuple[float, str] | None = None
     while True:
         ended = child.poll() is not None and not reader.is_alive()
-        try:
-            said = json.loads(lines.get(timeout=POLL))
-        except queue.Empty:
-            silence += POLL
-            if ended or (child.poll() is not None and silence > GRACE):
-                raise Died(_fate(child.returncode)) from None
-            if silence >= timeout:
-                _ask_for_stack(child)
-                raise Died(f"made no progress for {timeout:g} s and was stopped") from None
-            continue
-        except ValueError:  # printed before the child could move its stdout
-            continue
-        if not isinstance(said, dict):
-            continue
-        if "share" not in said:
-            return said
-        if (said["share"], said["text"]) != last:
-            silence, last = 0.0, (said["share"], said["text"])
-            if report:
-                report(*last)
+        line, said, begin = b"", None, clock.monotonic()
+        with contextlib.suppress(queue.Empty):
+            line = lines.get(timeout=POLL)
+        with contextlib.suppress(ValueError):  # a line may be printed before the child moves its stdout
+            said = json.loads(line)
+        silence += min(clock.monotonic() - begin, POLL)
+        if isinstance(said, dict):
+            if "share" not in said:
+                return said
+            if (said["share"], said["text"]) != last:
+                silence, last = 0.0, (said["share"], said["text"])
+                if report:
+                    report(said["share"], said["text"])
+        if (ended and not line) or (child.poll() is not None and silence > GRACE):
+            raise Died(_fate(child.returncode))
+        if silence >= (timeout if last else timeout + START):
+            _ask_for_stack(child)
+            raise Died(f"made no progress for {timeout:g} s and was stopped")
 
 
 def _fate(code: int) -> str:

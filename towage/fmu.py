@@ -6,18 +6,26 @@ allocate arrays for each.
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import byref, c_double, c_int, c_uint, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any
 
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE  # type: ignore[import-untyped]
-from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2StepFinishedTYPE
-from fmpy.logging import addLoggerProxy  # type: ignore[import-untyped]
-from fmpy import calloc, free  # type: ignore[import-untyped]
+from fmpy import calloc, free
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2StepFinishedTYPE,
+)
+from fmpy.logging import addLoggerProxy
 
-from .archive import Description
+from .description import Description
 from .errors import RunError
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -115,6 +123,7 @@ class Unit:
         self._slope_orders = (c_int * max(1, len(slopes)))(*([1] * len(slopes)))
         self.slopes = (c_double * max(1, len(slopes)))()
         self.slope_slot = {i.name: k for k, i in enumerate(slopes)}
+        self.advance = self._stepper()
 
     def _log(self, environment: Any, instance: Any, status: int, category: Any, message: Any) -> None:
         if len(self.messages) < 1000:
@@ -175,24 +184,47 @@ class Unit:
         status = self._get_real(self._component, self._output_references, self._output_count, self._output_buffer)
         if status:
             self._check(status, "reading outputs", time)
-        last, self.values = self.values, self._output_buffer[:]
-        total = sum(self.values)
-        if total - total != 0.0:
-            for name, value, before in zip(self.outputs, self.values, last):
+        return self._accept(self._output_buffer[:], time)
+
+    def _accept(self, values: list[float], time: float) -> list[float]:
+        """Make ``values`` the present ones. Raises `RunError` if one is not finite."""
+        if not abs(sum(values)) < math.inf:
+            for name, value, before in zip(self.outputs, values, self.values):
                 if not math.isfinite(value):
                     raise RunError(
                         f"{name} became {value}; its last finite value was {before!r}",
                         unit=self.name, variable=name, time=time,
                     )  # fmt: skip
-        return self.values
+        self.values = values
+        return values
 
-    def step(self, time: float, size: float) -> None:
-        """Advance. Raises `StepRefused` if the unit would rather not, `RunError` if it is beyond help."""
-        status = self._do_step(self._component, time, size, 0)
-        if status > WARNING:
-            if status == FATAL:
-                self._check(status, "the step", time)
-            raise StepRefused(f"{STATUS[status]}: {self._said()}" if self._said() else STATUS[status])
+    def _stepper(self) -> Callable[[float, float], list[float]]:
+        """``advance(time, size)``: pass the input buffer on, step, read the outputs; one closure, because a step of a
+        small unit costs no more than a few Python calls. Raises `StepRefused` if the unit would rather not step so far,
+        `RunError` if it is beyond help or an output is not finite."""
+        component, do_step, get_real, count = self._component, self._do_step, self._get_real, self._output_count
+        references, buffer = self._output_references, self._output_buffer
+        set_inputs = self.set if self._input_count else None
+
+        def advance(time: float, size: float) -> list[float]:
+            if set_inputs:
+                set_inputs(time)
+            status = do_step(component, time, size, 0)
+            if status > WARNING:
+                if status == FATAL:
+                    self._check(status, "the step", time)
+                said = self._said()
+                raise StepRefused(f"{self.name}, {STATUS[status]}" + (f": {said}" if said else ""))
+            status = get_real(component, references, count, buffer)
+            if status:
+                self._check(status, "reading outputs", time + size)
+            values = buffer[:]
+            if abs(sum(values)) < math.inf:
+                self.values = values
+                return values
+            return self._accept(values, time + size)
+
+        return advance
 
     @property
     def can_roll_back(self) -> bool:
@@ -222,9 +254,7 @@ class Unit:
         """Terminate and free, unless the unit reported a fatal error."""
         if not self.dead:
             self.forget()
-            try:
+            with contextlib.suppress(Exception):
                 self._slave.terminate()
-            except Exception:
-                pass
             self._slave.freeInstance()
             self.dead = True

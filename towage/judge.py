@@ -24,8 +24,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .resolve import ResolvedScene
 from .result import Comparison, Margin, Verdict
-from .scene import ResolvedScene, SdofCheck
+from .scene import SdofCheck
 from .system import System
 
 Array = NDArray[np.float64]
@@ -84,13 +85,17 @@ def peak(values: Array) -> float:
 
 
 def compare(
-    check: SdofCheck, time: Array, coupled: dict[str, Array], one_way: dict[str, Array], theory: dict[str, float | None],
+    check: SdofCheck,
+    time: Array,
+    coupled: dict[str, Array],
+    one_way: dict[str, Array],
+    theory: dict[str, float | None],
     stiffness: complex | None,
 ) -> Comparison:
     """The SDOF comparison after ``check.settle``. Amplitude (half the swing) and peak tension (above its mean) are
     errors of the one-way model, one-way / coupled - 1; rms is that of the difference over that of the one-way motion;
-    the phase is that of the coupled motion against the one-way motion. ``stiffness``: the ship's dynamic stiffness D1 at the dominant
-    frequency, N/m, if known; ``theory``: estimate, eigenvector and frequency_shift, where known."""
+    the phase is that of the coupled motion against the one-way motion. ``stiffness``: the ship's dynamic stiffness D1
+    at the dominant frequency, N/m, if known; ``theory``: estimate, eigenvector and frequency_shift, where known."""
     keep = time >= check.settle
     t = time[keep]
     x2, x1 = coupled[check.motion][keep], one_way[check.motion][keep]

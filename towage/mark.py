@@ -49,21 +49,24 @@ class Mark:
             """A unit that is noted before each call."""
 
             def __init__(self, name: str, *rest: Any) -> None:
-                self._label = name.encode()
-                note(self._label, b"instantiation", math.nan)
+                label = self._label = name.encode()
+                note(label, b"instantiation", math.nan)
                 super().__init__(name, *rest)
+                advance = self.advance
+
+                def noted(time: float, size: float) -> list[float]:
+                    note(label, b"step", time)
+                    return advance(time, size)
+
+                self.advance = noted
 
             def start(self, start: Mapping[str, Any], start_time: float, stop_time: float) -> None:
                 note(self._label, b"initialisation", start_time)
                 super().start(start, start_time, stop_time)
 
             def set(self, time: float) -> None:
-                note(self._label, b"inputs", time)
+                note(self._label, b"step", time)  # which begins with its inputs
                 super().set(time)
-
-            def step(self, time: float, size: float) -> None:
-                note(self._label, b"step", time)
-                super().step(time, size)
 
             def save(self, time: float) -> None:
                 note(self._label, b"state", time)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from . import checks, judge, sdof
 from .errors import RunError, SceneError
 from .recorder import Recorder, read_journal
+from .resolve import ResolvedScene
 from .result import Check, Margin, Result, Verdict
-from .scene import ResolvedScene, Scene
+from .scene import Scene
 from .schemes import ORDERS
 from .simulation import Run, Settings, simulate
 from .store import cache, locator
@@ -133,6 +134,9 @@ class Master:
         if step is None and not system.can_roll_back:
             raise SceneError("error control needs units that save and restore their state: give a step instead",
                              file=self.scene.file, key="coupling.tolerance")  # fmt: skip
+        if step is None and ORDERS[scheme] == 1:
+            raise SceneError(f"{scheme} has no error estimate to control the step by: give a step instead",
+                             file=self.scene.file, key="coupling.tolerance")  # fmt: skip
         max_step = step or min(stop / 50.0, checks.largest_step(found, scheme))
         before += checks.before_run(system, found, scheme, max_step)
         refused = [c for c in before if c.level == "refused"]
@@ -148,9 +152,7 @@ class Master:
             time=np.empty(0), columns={}, units={}, checks=before, scene_source=self.scene.source,
         )  # fmt: skip
 
-    def _fill(
-        self, result: Result, system: System, run: Run, columns: dict[str, Array], recorded: list[str]
-    ) -> None:
+    def _fill(self, result: Result, system: System, run: Run, columns: dict[str, Array], recorded: list[str]) -> None:
         self._fill_columns(result, columns, recorded)
         result.events = run.events
         result.step_sizes = np.array(run.steps)
@@ -180,7 +182,11 @@ class Master:
         return recorder.columns()
 
     def _error(
-        self, settings: Settings, time: Array, columns: dict[str, Array], recorded: list[str],
+        self,
+        settings: Settings,
+        time: Array,
+        columns: dict[str, Array],
+        recorded: list[str],
         report: Callable[[float], None],
     ) -> dict[str, float]:
         """Largest difference to a run with doubled step (tenfold tolerance) on the common times, relative to the
@@ -209,7 +215,12 @@ class Master:
         return found
 
     def _compare(
-        self, result: Result, settings: Settings, system: System, columns: dict[str, Array], recorded: list[str],
+        self,
+        result: Result,
+        settings: Settings,
+        system: System,
+        columns: dict[str, Array],
+        recorded: list[str],
         report: Callable[[float], None],
     ) -> None:
         check = self.scene.checks.sdof
@@ -250,5 +261,3 @@ def worst_margin(results: list[Result]) -> Margin | None:
     """The smallest deciding margin of several results."""
     found = [m for r in results if (m := r.worst_margin())]
     return min(found, key=lambda m: m.worst, default=None)
-
-

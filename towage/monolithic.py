@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from .errors import SceneError
 from .models import cradle, ship, spring_line
 from .models.system import Simulation, System
-from .scene import ResolvedScene, Scene
+from .resolve import ResolvedScene
+from .scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -50,7 +50,10 @@ def comparison(result: Result) -> str:
         ("Eigenvector test", percent(compared.eigenvector), "an identity, it can never fail"),
         ("Frequency shift", percent(compared.frequency_shift), "passes wrongly in known cases"),
     )
-    outcome = f"<h3>Coupled against one-way (single degree of freedom)</h3><p>{badge(compared.word)} against a tolerance of {percent(compared.tolerance)}.</p>"
+    outcome = (
+        "<h3>Coupled against one-way (single degree of freedom)</h3>"
+        f"<p>{badge(compared.word)} against a tolerance of {percent(compared.tolerance)}.</p>"
+    )
     caption = '<p class="note">The thesis’s own two indicators, for reference; neither has a part in the verdict.</p>'
     head = ("Quantity", "Value", "Meaning")
     return outcome + table(head, rows, (1,)) + caption + table(head, thesis, (1,))

@@ -13,15 +13,18 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable
-from copy import deepcopy
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, NoReturn, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, TypeVar, get_args
 
 import msgspec
 
-from towage.archive import Description, Value, Variable, read_description
+from towage.archive import read_description
+from towage.description import Value
 from towage.errors import SceneError, TowageError
-from towage.fmus.quantities import QuantityError, base_expression, dimension, parse_quantity, unit_definition
+from towage.fmus.quantities import QuantityError, parse_quantity
+
+if TYPE_CHECKING:
+    from towage.resolve import ResolvedScene
 
 S = TypeVar("S", bound=msgspec.Struct)
 Scheme = Literal["auto", "hermite", "extrapolate", "implicit", "jacobi", "gauss-seidel"]
@@ -30,8 +33,6 @@ Locate = Callable[[str], Path]
 
 SHIPPED = Path(__file__).parent / "scenes"
 _SCHEMES: tuple[str, ...] = get_args(Scheme)
-Definition = tuple[tuple[int, ...], float, float]
-"""Exponents of the base units, factor and offset of a unit."""
 _ORIGIN = ("file", "source")
 _SETTABLE = ("title", "description", "stop_time", "coupling", "record", "checks")
 _EXCLUSIVE = {"coupling.step": "coupling.tolerance", "coupling.tolerance": "coupling.step"}
@@ -89,39 +90,6 @@ class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     set: dict[str, Any] = {}
 
 
-class Connection(NamedTuple):
-    """Target value = factor * source value."""
-
-    source_unit: str
-    source: str
-    target_unit: str
-    target: str
-    factor: float
-
-    def __str__(self) -> str:
-        return f"{self.source_unit}.{self.source} -> {self.target_unit}.{self.target}"
-
-
-class ResolvedUnit(msgspec.Struct, frozen=True):
-    """A unit that exists: its FMU, and the values set on it before the run, in the units its variables declare."""
-
-    name: str
-    path: Path
-    description: Description
-    parameters: dict[str, Value]
-
-
-class ResolvedScene(msgspec.Struct, frozen=True):
-    """A scene in which everything named exists and fits. ``record`` is (unit, variable); ``loops`` the algebraic ones,
-    as "a.y -> b.u -> b.y -> a.u -> a.y", empty unless the scheme is implicit."""
-
-    scene: Scene
-    units: dict[str, ResolvedUnit]
-    connections: tuple[Connection, ...]
-    record: tuple[tuple[str, str], ...]
-    loops: tuple[str, ...]
-
-
 class SceneSummary(NamedTuple):
     """A shipped scene."""
 
@@ -162,8 +130,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @classmethod
     def from_dict(cls, data: dict[str, Any], file: Path | None = None) -> Scene:
-        """The scene in ``data``, as tomllib gives it; checked as far as that is possible without the units."""
-        scene = _Reader(file).scene(deepcopy(data))
+        """The scene in ``data``, as tomllib gives it (numpy scalars are numbers too); checked as far as that is possible
+        without the units."""
+        scene = _Reader(file).scene(_plain(data))
         for case in scene.cases:
             scene.case(case.name)
         return scene
@@ -172,7 +141,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         """The scene with the values of a case; setting ``coupling.step`` drops the tolerance, and the reverse."""
         found = {case.name: case for case in self.cases}
         if name not in found:
-            raise self.error(f"unknown case {name!r}" + _suggest(name, found), "cases")
+            raise self.error(f"unknown case {name!r}" + suggest(name, found), "cases")
         settings, key = found[name].set, f"cases.{name}.set"
         data = msgspec.to_builtins(msgspec.structs.replace(self, file=None, source="", cases=()))
         data = {field: value for field, value in data.items() if field not in (*_ORIGIN, "cases")}
@@ -187,7 +156,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
                 place = place.get(table) if isinstance(place, dict) else None
             if not isinstance(place, dict) or not last or (head not in self.units and last not in place):
                 known = [*(f"{unit}.{last}" for unit in self.units), *_EXCLUSIVE, "coupling.scheme", "stop_time"]
-                hint = _suggest(target, known)
+                hint = suggest(target, known)
                 raise self.error(
                     f"{target!r} cannot be set: expected 'unit.parameter' or a key of the scene{hint}", key
                 )
@@ -204,7 +173,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         cut = {reader.connection(text, "connections") for text in connections}
         if missing := cut - set(self.connections):
             one = min(missing)
-            raise self.error(f"there is no connection {one!r}" + _suggest(one, self.connections), "connections")
+            raise self.error(f"there is no connection {one!r}" + suggest(one, self.connections), "connections")
         rest = tuple(text for text in self.connections if text not in cut)
         checks = msgspec.structs.replace(self.checks, sdof=None)
         return msgspec.structs.replace(self, connections=rest, checks=checks)
@@ -213,14 +182,16 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         """Check everything, the cases too, against the descriptions of the units. Raises ``SceneError``, and
         ``FmuError`` for an FMU that is refused; a ``LookupError`` or ``OSError`` of ``locate`` becomes a ``SceneError``.
         """
+        from towage.resolve import Resolver  # it is about scenes and so imports this module
+
         paths = {name: self._path(name, entry.fmu, locate) for name, entry in self.units.items()}
         read = {path: read_description(path) for path in dict.fromkeys(paths.values())}
         descriptions = {name: read[path] for name, path in paths.items()}
-        resolved = _Resolver(self, descriptions).resolved()
+        resolved = Resolver(self, descriptions).resolved()
         for case in self.cases:
             variant = msgspec.structs.replace(self.case(case.name), cases=())
             try:
-                _Resolver(variant, descriptions).resolved()
+                Resolver(variant, descriptions).resolved()
             except SceneError as error:
                 raise self.error(f"{error.key}: {error.args[0]}", f"cases.{case.name}.set") from None
         return resolved
@@ -258,11 +229,20 @@ def _find(path_or_name: str | Path, directories: tuple[Path, ...]) -> Path:
         if path.is_file():
             return path
     names = sorted({path.stem for directory in directories for path in directory.glob("*.toml")})
-    hint = _suggest(given.stem, names) or f"; known scenes: {', '.join(names) or 'none'}"
+    hint = suggest(given.stem, names) or f"; known scenes: {', '.join(names) or 'none'}"
     raise SceneError(f"no such file or scene{hint}", file=given)
 
 
-def _suggest(word: str, known: Iterable[str]) -> str:
+def _plain(value: Any) -> Any:
+    """A copy in plain Python types."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value.item() if hasattr(value, "item") else value
+
+
+def suggest(word: str, known: Iterable[str]) -> str:
     close = difflib.get_close_matches(word, list(known), n=2, cutoff=0.6)
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
@@ -291,7 +271,7 @@ class _Reader:
             self.fail("missing: give it a step or a tolerance", "coupling")
         scheme = self.table(top["coupling"], "coupling").get("scheme")
         if isinstance(scheme, str) and scheme not in _SCHEMES:
-            hint = _suggest(scheme, _SCHEMES)
+            hint = suggest(scheme, _SCHEMES)
             self.fail(f"unknown scheme {scheme!r}{hint}; expected one of: {', '.join(_SCHEMES)}", "coupling.scheme")
         top["coupling"] = self.convert(top["coupling"], Coupling, "coupling")
         top["record"] = self.convert(top.get("record", {}), Record, "record")
@@ -320,7 +300,7 @@ class _Reader:
         content, fields = self.table(value, key), [f for f in into.__struct_fields__ if f not in _ORIGIN]
         for name in content:
             if name not in fields:
-                hint = _suggest(name, fields) or f"; expected one of: {', '.join(fields)}"
+                hint = suggest(name, fields) or f"; expected one of: {', '.join(fields)}"
                 self.fail(f"unknown key{hint}", f"{key}.{name}".strip("."))
         for name in content.keys() & set(_TIMES):
             if isinstance(content[name], str):
@@ -371,241 +351,3 @@ class _Reader:
         for index, name in enumerate(names):
             if not name.strip() or name in names[:index]:
                 self.fail(f"case name {name!r} is empty or used twice", f"cases[{index}].name")
-
-
-class _Resolver:
-    """Checks one scene against the descriptions of its units."""
-
-    def __init__(self, scene: Scene, descriptions: dict[str, Description]) -> None:
-        self.scene = scene
-        self.descriptions = descriptions
-        self.variables = {name: description.by_name() for name, description in descriptions.items()}
-        self.values: dict[tuple[str, str], Value] = {}
-
-    def resolved(self) -> ResolvedScene:
-        connections = tuple(map(self.connect, range(len(self.scene.connections))))
-        self.check_single_sources(connections)
-        units = {}
-        for name, entry in self.scene.units.items():
-            parameters = {parameter: self.value(name, parameter, ()) for parameter in entry.parameters}
-            units[name] = ResolvedUnit(name, self.descriptions[name].path, self.descriptions[name], parameters)
-        record = self.record()
-        self.check_checks()
-        loops = _loops(connections, self.descriptions)
-        named = "; ".join(map(" -> ".join, loops))
-        if loops and self.scene.coupling.scheme != "implicit":
-            note = "" if all(map(self.declares, loops)) else " (outputs without declared dependencies count as direct)"
-            raise self.fault(
-                f"algebraic loop {named}{note}, which scheme {self.scene.coupling.scheme!r} cannot solve: "
-                "use scheme 'implicit', or break the loop with a unit that has a state",
-                "connections",
-            )
-        return ResolvedScene(self.scene, units, connections, record, tuple(map(" -> ".join, loops)))
-
-    def fault(self, message: str, key: str) -> SceneError:
-        return self.scene.error(message, key)
-
-    def find(self, end: str, key: str) -> tuple[str, Variable]:
-        """The variable that "unit.variable" names."""
-        unit, _, name = end.strip().partition(".")
-        if unit not in self.variables:
-            raise self.fault(f"{end!r}: there is no unit {unit!r}{_suggest(unit, self.variables)}", key)
-        if name not in self.variables[unit]:
-            raise self.fault(f"{end!r}: {unit} has no variable {name!r}{_suggest(name, self.variables[unit])}", key)
-        return unit, self.variables[unit][name]
-
-    def connect(self, index: int) -> Connection:
-        key, text = f"connections[{index}]", self.scene.connections[index]
-        (source_unit, source), (target_unit, target) = (self.find(end, key) for end in text.split(" -> ", 1))
-        if source.causality != "output":
-            raise self.fault(f"{source_unit}.{source.name} is {_a(source.causality)}: expected an output", key)
-        if target.causality != "input":
-            raise self.fault(f"{target_unit}.{target.name} is {_a(target.causality)}: expected an input", key)
-        if source.type != target.type:
-            raise self.fault(f"{text!r} joins {source.type} to {target.type}: the types must agree", key)
-        return Connection(
-            source_unit,
-            source.name,
-            target_unit,
-            target.name,
-            self.factor(text, source_unit, source, target_unit, target, key),
-        )
-
-    def factor(self, text: str, unit: str, source: Variable, to: str, target: Variable, key: str) -> float:
-        """By what a value of ``source`` is multiplied for ``target``. An undeclared unit fits every other."""
-        if source.unit is None or target.unit is None or source.type != "Real":
-            return 1.0
-        ours, theirs = self.definition(unit, source.unit), self.definition(to, target.unit)
-        if ours == theirs and (ours is not None or source.unit == target.unit):
-            return 1.0
-        if ours is None or theirs is None:
-            which = source.unit if ours is None else target.unit
-            raise self.fault(f"{text!r}: unit {which!r} is defined nowhere, so it cannot be converted", key)
-        if ours[0] != theirs[0] or ours[2] != theirs[2]:
-            first, second = (f"{v.unit} [{base_expression(d[0])}]" for v, d in ((source, ours), (target, theirs)))
-            raise self.fault(f"{text!r} joins {first} to {second}: the units do not measure the same thing", key)
-        return ours[1] / theirs[1]
-
-    def definition(self, unit: str, name: str) -> Definition | None:
-        """(exponents, factor, offset) of a unit: as its FMU defines it, else as towage does, else None."""
-        if own := self.descriptions[unit].units.get(name):
-            return own.exponents, own.factor, own.offset
-        return _known(name)
-
-    def check_single_sources(self, connections: tuple[Connection, ...]) -> None:
-        fed: dict[tuple[str, str], Connection] = {}
-        for index, connection in enumerate(connections):
-            first = fed.setdefault((connection.target_unit, connection.target), connection)
-            if first is not connection:
-                target = f"{connection.target_unit}.{connection.target}"
-                message = f"{target} has two sources: {first.source_unit}.{first.source} and "
-                raise self.fault(f"{message}{connection.source_unit}.{connection.source}", f"connections[{index}]")
-
-    def value(self, unit: str, name: str, path: tuple[tuple[str, str], ...]) -> Value:
-        """The value given to a parameter or input, in its declared unit; ``path`` are the references that led here."""
-        key = f"units.{unit}.parameters.{name}"
-        if (unit, name) in path:
-            cycle = " -> ".join(f"{u}.{n}" for u, n in (*path[path.index((unit, name)) :], (unit, name)))
-            raise self.fault(f"circular reference {cycle}", key)
-        if (unit, name) not in self.values:
-            _, variable = self.find(f"{unit}.{name}", key)
-            if variable.causality not in ("parameter", "input") or variable.variability == "constant":
-                raise self.fault(f"{name!r} is {_a(variable.causality)}: only parameters and inputs can be set", key)
-            given = self.scene.units[unit].parameters[name]
-            if isinstance(given, str) and given.lstrip().startswith("="):
-                given = self.referenced(unit, variable, given.lstrip()[1:].strip(), (*path, (unit, name)), key)
-            self.values[unit, name] = self.checked(unit, variable, given, key)
-        return self.values[unit, name]
-
-    def referenced(self, unit: str, variable: Variable, end: str, path: tuple[tuple[str, str], ...], key: str) -> Value:
-        """The value of another parameter: as the scene sets it, else its start value."""
-        other, source = self.find(end, key)
-        if source.causality not in ("parameter", "input"):
-            raise self.fault(f"'= {end}' is {_a(source.causality)}: its value is known only during a run", key)
-        if (source.type == "String") != (variable.type == "String"):
-            raise self.fault(f"'= {end}' is {source.type}, expected {variable.type}", key)
-        if source.name in self.scene.units[other].parameters:
-            value: Value | None = self.value(other, source.name, path)
-        else:
-            value = source.start
-        if value is None:
-            raise self.fault(f"'= {end}' has no start value: give it one", key)
-        factor = self.factor(f"= {end}", other, source, unit, variable, key)
-        return value if isinstance(value, (bool, str)) or factor == 1.0 else value * factor
-
-    def checked(self, unit: str, variable: Variable, given: Value, key: str) -> Value:
-        """``given`` as a value of the variable's type, inside its bounds."""
-        value: Value = given
-        if variable.type == "Real" and isinstance(given, str):
-            value = self.quantity(unit, variable, given, key)
-        elif variable.type == "Real" and isinstance(given, int) and not isinstance(given, bool):
-            value = float(given) if abs(given) < 2**1000 else math.inf
-        expected = {"Real": float, "Boolean": bool, "String": str}.get(variable.type, int)
-        if type(value) is not expected:
-            raise self.fault(f"{given!r} is no {variable.type}, as {variable.name} is", key)
-        if isinstance(value, (bool, str)):
-            return value
-        if not math.isfinite(value):
-            raise self.fault(f"{given!r} is not finite", key)
-        low = -math.inf if variable.min is None else variable.min
-        high = math.inf if variable.max is None else variable.max
-        if variable.type != "Real":
-            low, high = max(low, -(2**31)), min(high, 2**31 - 1)
-        if not low <= value <= high:
-            suffix = f" {variable.unit}" if variable.unit not in (None, "1") else ""
-            written = f" ({given})" if isinstance(given, str) else ""
-            raise self.fault(
-                f"{value!r}{suffix}{written} is out of range: expected {low:.9g} to {high:.9g}{suffix}", key
-            )
-        return value
-
-    def quantity(self, unit: str, variable: Variable, text: str, key: str) -> float:
-        """A text with a unit, in the unit that the variable declares."""
-        if variable.unit is None:
-            raise self.fault(f"{text!r}: {variable.name} declares no unit, write a plain number", key)
-        declared, known = self.definition(unit, variable.unit), _known(variable.unit)
-        if declared is None:
-            raise self.fault(f"unit {variable.unit!r} of {variable.name} is defined nowhere, write a plain number", key)
-        try:
-            if declared == known:
-                return parse_quantity(text, variable.unit)
-            exponents, factor, offset = declared
-            return (parse_quantity(text, base_expression(exponents)) - offset) / factor
-        except QuantityError as error:
-            raise self.fault(f"{error} (the unit of {variable.name} is {variable.unit})", key) from None
-
-    def record(self) -> tuple[tuple[str, str], ...]:
-        names = self.scene.record.variables
-        if names is None:
-            every = ((unit, v) for unit, variables in self.variables.items() for v in variables.values())
-            return tuple((unit, v.name) for unit, v in every if v.causality == "output" and v.type != "String")
-        found = [self.find(name, f"record.variables[{index}]") for index, name in enumerate(names)]
-        for index, (unit, variable) in enumerate(found):
-            if variable.type == "String":
-                raise self.fault(
-                    f"{unit}.{variable.name} is a text: only numbers are recorded", f"record.variables[{index}]"
-                )
-        return tuple(dict.fromkeys((unit, variable.name) for unit, variable in found))
-
-    def check_checks(self) -> None:
-        checks = self.scene.checks
-        for index, name in enumerate(checks.report_only):
-            key = f"checks.report_only[{index}]"
-            _, variable = self.find(name, key)
-            if not variable.name.startswith("margin_"):
-                raise self.fault(f"{name!r} is no margin: expected 'unit.margin_...'", key)
-        if checks.sdof is None:
-            return
-        for index, cut in enumerate(checks.sdof.cut):
-            if cut not in self.scene.connections:
-                hint = _suggest(cut, self.scene.connections)
-                raise self.fault(f"there is no connection {cut!r}{hint}", f"checks.sdof.cut[{index}]")
-        for field in ("driver", "motion", "tension"):
-            unit, variable = self.find(getattr(checks.sdof, field), f"checks.sdof.{field}")
-            if variable.type != "Real":
-                raise self.fault(f"{unit}.{variable.name} is {variable.type}, expected Real", f"checks.sdof.{field}")
-
-    def declares(self, loop: tuple[str, ...]) -> bool:
-        """Whether every output on the loop declares its dependencies."""
-        ends = (node.partition(".") for node in loop)
-        return all(self.descriptions[unit].dependencies.get(name, ()) is not None for unit, _, name in ends)
-
-
-def _known(unit: str) -> Definition | None:
-    """A unit as towage defines it."""
-    try:
-        return dimension(unit), unit_definition(unit)[1], 0.0
-    except QuantityError:
-        return None
-
-
-def _a(causality: str) -> str:
-    return ("an " if causality[0] in "io" else "a ") + re.sub("(?<=[a-z])(?=[A-Z])", " ", causality).lower()
-
-
-def _loops(connections: tuple[Connection, ...], descriptions: dict[str, Description]) -> list[tuple[str, ...]]:
-    """A shortest cycle through each output that can reach itself by connections and direct dependencies, each once."""
-    after: dict[str, list[str]] = {}
-    for c in connections:
-        after.setdefault(f"{c.source_unit}.{c.source}", []).append(f"{c.target_unit}.{c.target}")
-        for output, inputs in descriptions[c.target_unit].dependencies.items():
-            if inputs is None or c.target in inputs:
-                after.setdefault(f"{c.target_unit}.{c.target}", []).append(f"{c.target_unit}.{output}")
-    loops: list[tuple[str, ...]] = []
-    for start in dict.fromkeys(f"{c.source_unit}.{c.source}" for c in connections):
-        if any(start in loop for loop in loops):
-            continue
-        before: dict[str, str] = {}
-        queue = [start]
-        while queue and start not in before:
-            node = queue.pop(0)
-            for following in after.get(node, ()):
-                if following not in before:
-                    before[following] = node
-                    queue.append(following)
-        if start in before:
-            loop = [start, before[start]]
-            while loop[-1] != start:
-                loop.append(before[loop[-1]])
-            loops.append(tuple(reversed(loop)))
-    return loops

@@ -10,8 +10,8 @@
 
 Orders are those of the global error for smooth signals with rates (measured: ``benchmarks/coupling.py``). A scheme
 returns its error estimate for the step, relative to the largest value of each signal: predictor against corrector where
-there is a corrector, else the interface residual |u(end used) - u(end found)| scaled by (H w)^2/2, w being the frequency
-of the interface loop.
+there is a corrector, else the interface residual |u(end used) - u(end found)| times 0.05, its effect on a motion of the
+loop's frequency at some 20 steps a period. The schemes of order 1 have none.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def jacobi(system: System, time: float, step: float) -> float:
         system.hold(s)
     for i in system.order:
         system.advance(i, time, step)
-    return _residual(system.signals, step)
+    return 0.0
 
 
 def gauss_seidel(system: System, time: float, step: float) -> float:
@@ -51,7 +51,7 @@ def gauss_seidel(system: System, time: float, step: float) -> float:
                 s.polynomial = (s.end_value, 0.0, 0.0, 0.0)
         system.advance(i, time, step)
         done.add(i)
-    return _residual(system.signals, step)
+    return 0.0
 
 
 def extrapolate(system: System, time: float, step: float) -> float:

@@ -86,5 +86,5 @@ def response(
         "ratio": ratios.tolist(),
         "amplitude": [a / abs(found.amplitude) for a in sizes],
         "operating": [omega / found.cradle_frequency, measured],
-        "label": "equivalent linearisation of the taut line; operating point from the one-way run",
+        "label": "equivalent linearisation",
     }

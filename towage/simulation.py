@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 import time as clock
 from array import array
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Callable
 
 from .errors import RunError
 from .fmu import StepRefused
@@ -92,7 +92,9 @@ def _loop(
     smooth = ORDERS[settings.scheme] > 1
     locate = settings.events and smooth and system.can_roll_back and bool(system.indicators)
     clocks = smooth and bool(system.clocks)
-    keep = system.can_roll_back and (locate or settings.tolerance is not None or settings.scheme in ("hermite", "implicit"))
+    keep = system.can_roll_back and (
+        locate or settings.tolerance is not None or settings.scheme in ("hermite", "implicit")
+    )
     stop, tolerance = settings.stop_time, settings.tolerance
     grid = settings.step if settings.step is not None else settings.max_step
     control = settings.max_step if tolerance is None else min(settings.max_step, 1e-3 * stop)
@@ -138,7 +140,7 @@ def _loop(
             _note(system, run, end, before, at_clock and end >= announced)
             system.refresh(end)
         time = end
-        before = _indications(system)
+        before = _indications(system) if locate else []
         run.time = time
         run.steps.append(step)
         if tolerance is None and time >= (k + 1) * grid - MERGE * grid:
@@ -148,9 +150,7 @@ def _loop(
             records += 1
 
 
-def _attempt(
-    system: System, scheme: Scheme, time: float, step: float, keep: bool, run: Run
-) -> tuple[float, float]:
+def _attempt(system: System, scheme: Scheme, time: float, step: float, keep: bool, run: Run) -> tuple[float, float]:
     """Try the step, and shorter ones if a unit refuses: (error estimate, step that was done)."""
     for _ in range(MAX_HALVINGS):
         try:

@@ -11,24 +11,27 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Sequence
 
 from .archive import extract
-from .fmu import Unit
-from .scene import Connection, ResolvedScene
+from .fmu import Input, Unit
+from .resolve import Connection, ResolvedScene
 
 
-@dataclass
+@dataclass(slots=True)
 class Signal:
     """One connection at work. ``rated``: its source reports the rate; ``backward``: its source comes after its target."""
 
     connection: Connection
     source: int
     target: int
+    entry: Input
     slot: int
     rate_slot: int
+    factor: float
+    rated: bool
     value: float = 0.0
     rate: float = 0.0
     end_value: float = 0.0
@@ -37,10 +40,6 @@ class Signal:
     scale: float = 0.0
     backward: bool = False
     polynomial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-
-    @property
-    def rated(self) -> bool:
-        return self.rate_slot >= 0
 
 
 class System:
@@ -60,10 +59,7 @@ class System:
             self.close()
             raise
         number = {unit.name: i for i, unit in enumerate(self.units)}
-        self.signals = [
-            Signal(c, number[c.source_unit], number[c.target_unit], *_slots(self.units[number[c.source_unit]], c.source))
-            for c in scene.connections
-        ]
+        self.signals = [self._signal(c, number) for c in scene.connections]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
         self.order = self._order()
@@ -77,14 +73,20 @@ class System:
             for i, unit in enumerate(self.units) for n in unit.outputs
             if n.startswith("event_") and not n.endswith("_rate")
         ]  # fmt: skip
-        self.clocks = [(i, unit.slot["next_event_time"]) for i, unit in enumerate(self.units) if "next_event_time" in unit.slot]
+        self.clocks = [
+            (i, unit.slot["next_event_time"]) for i, unit in enumerate(self.units) if "next_event_time" in unit.slot
+        ]
+
+    def _signal(self, connection: Connection, number: dict[str, int]) -> Signal:
+        source, target = number[connection.source_unit], number[connection.target_unit]
+        slots = self.units[source].slot
+        rate = slots.get(f"{connection.source}_rate", -1)
+        entry = self.units[target].inputs[connection.target]
+        return Signal(connection, source, target, entry, slots[connection.source], rate, connection.factor, rate >= 0)
 
     def _order(self) -> list[int]:
         """Units in the order of evaluation: after every unit whose output goes straight through them."""
-        hard = {
-            i: {s.source for s in self.into[i] if self.units[i].inputs[s.connection.target].feedthrough}
-            for i in range(len(self.units))
-        }
+        hard = {i: {s.source for s in self.into[i] if s.entry.feedthrough} for i in range(len(self.units))}
         order: list[int] = []
         left = list(range(len(self.units)))
         while left:
@@ -111,8 +113,8 @@ class System:
             if self._freeze and self.can_roll_back and "freeze_branches" in unit.variables:
                 parameters.setdefault("freeze_branches", 1.0)
             unit.start(parameters, start_time, stop_time)
-        for unit in range(len(self.units)):
-            self._read(unit)
+        for i in range(len(self.units)):
+            self._read(i)
         self.accept(0.0)
         self.refresh(start_time)
 
@@ -189,27 +191,22 @@ class System:
 
     def advance(self, i: int, time: float, step: float) -> None:
         """Step one unit with the polynomials of its inputs, and read it."""
-        unit = self.units[i]
-        if self.into[i]:
-            self._write(i, step)
-            unit.set(time)
-        unit.step(time, step)
-        unit.get(time + step)
+        self._write(i, step)
+        self.units[i].advance(time, step)
         self._read(i)
 
     def _read(self, i: int) -> None:
         values = self.units[i].values
         for s in self.out[i]:
-            factor = s.connection.factor
-            s.end_value = values[s.slot] * factor
-            if s.rate_slot >= 0:
-                s.end_rate = values[s.rate_slot] * factor
+            s.end_value = values[s.slot] * s.factor
+            if s.rated:
+                s.end_rate = values[s.rate_slot] * s.factor
 
     def _write(self, i: int, step: float) -> None:
         unit = self.units[i]
         buffer = unit.input_buffer
         for s in self.into[i]:
-            entry = unit.inputs[s.connection.target]
+            entry = s.entry
             k = entry.slot
             a0, a1, a2, a3 = s.polynomial
             if entry.smooth:
@@ -243,7 +240,3 @@ def _instantiate(name: str, scene: ResolvedScene, extracted: Path) -> Unit:
     if "next_event_time" in known:
         wanted.setdefault("next_event_time")
     return Unit(name, resolved.description, directory, connected, sources, [n for n in wanted if n in known])
-
-
-def _slots(unit: Unit, source: str) -> tuple[int, int]:
-    return unit.slot[source], unit.slot.get(f"{source}_rate", -1)

@@ -29,7 +29,9 @@ DEFAULT_RTOL = 1e-8
 OWN_FILES = ("cradle.json",)
 """The project's own copies, in ``towage/reference``."""
 
-SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {**verify_cradle.SOLVERS, **verify_cable.SOLVERS}
+SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {
+    **verify_cradle.SOLVERS, **verify_cable.SOLVERS,
+}  # fmt: skip
 """The function that computes a kind of case: (inputs, expected) -> values."""
 
 

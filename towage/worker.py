@@ -160,6 +160,7 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
     try:
         from .master import Master
 
+        report(0.0, "initialisation")
         Mark(request.directory / "mark").watch()
         master = Master(request.scene, request.case, request.fmus)
         if request.task == "check":

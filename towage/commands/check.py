@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from typing import Any
 
 from . import common
 
@@ -14,9 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of ``towage check``."""
     common.add_scene(parser)
     parser.add_argument("--json", action="store_true", help="print the checks as one JSON document")
-    parser.epilog = (
-        "The units are initialised but not run.\n\nexample:\n  towage check sea_cliff --set coupling.step='1 s'"
-    )
+    parser.epilog = "Units are initialised but not run.\n\nexample:\n  towage check sea_cliff --set coupling.step='1 s'"
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -27,7 +26,8 @@ def execute(arguments: argparse.Namespace) -> int:
     scene, names = common.load(arguments)
     from ..worker import check_isolated
 
-    code, document = 0, []
+    code = 0
+    document: list[dict[str, Any]] = []
     for name in names:
         label = name or scene.title
         try:

@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", metavar="FILE", nargs="*", help="files of cases (default: those shipped)")
     parser.add_argument("--kind", metavar="KIND", action="append", help="only cases of this kind (may be repeated)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.epilog = "example:\n  towage verify --kind cradle_linear"
+    parser.epilog = "example:\n  towage verify --kind free_decay"
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -23,14 +23,16 @@ def execute(arguments: argparse.Namespace) -> int:
     from ..errors import SceneError
     from ..verify import SOLVERS, verify
 
+    for kind in arguments.kind or ():
+        if kind not in SOLVERS:
+            raise SceneError(f"--kind: there is no kind {kind!r}; the kinds are {', '.join(sorted(SOLVERS))}")
     found = [case for file in arguments.files or [None] for case in verify(Path(file) if file else None)]
     cases = [case for case in found if not arguments.kind or case.kind in arguments.kind]
     if not cases:
-        kinds = ", ".join(sorted({case.kind for case in found} or SOLVERS))
-        raise SceneError(f"there is no case to verify; the kinds are {kinds}")
+        raise SceneError("there is no case to verify")
     wrong = sum(not case.ok for case in cases)
     if arguments.json:
-        plain = [{k: None if v != v else v for k, v in vars(case).items()} for case in cases]
+        plain = [vars(case) | ({} if math.isfinite(case.worst_error) else {"worst_error": None}) for case in cases]
         print(json.dumps({"cases": plain, "wrong": wrong}, indent=2))
         return 1 if wrong else 0
     width = max(len(case.name) for case in cases)

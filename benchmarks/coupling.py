@@ -1,0 +1,229 @@
+"""Speed against error of the coupling: every scheme on the thesis's taut, slack and two-way problems, and the cost of a
+communication step beside the same raw FMI calls and beside libcosim. Prints Markdown; ``python benchmarks/coupling.py``.
+
+Times on a shared machine mean little: read the ratios, which are taken in one run.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from ctypes import c_double
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+from msgspec.structs import replace
+
+from towage.fmus.instance import Instance
+from towage.fmus.unit import load
+from towage.master import Master
+from towage.models import orbits
+from towage.monolithic import dimensionless_scene, solve
+from towage.recorder import Recorder
+from towage.scene import Scene
+from towage.schemes import jacobi
+from towage.simulation import Settings, simulate
+from towage.store import locator
+from towage.system import System
+from towage.verify_cradle import dimensionless_system
+
+SCHEMES = ("hermite", "extrapolate", "implicit", "jacobi", "gauss-seidel")
+STEPS = (16, 32, 64, 128)
+DRAG, RATIO = 0.3, 1.0
+
+
+def problem(case: str, scheme: str, steps: int) -> Scene:
+    """taut: w = 10; slack: w = 1.6, from the exact orbit, 8 periods; two-way: mass ratio 1, from rest, 40 units."""
+    if case == "two-way":
+        period = 2.0 * math.pi / 1.1
+        return dimensionless_scene(
+            DRAG, 1.1, 8.0, periods=40.0 / period, steps=steps, coupling={"scheme": scheme},
+            ship={"mass": 1.0, "stiffness": 2.25, "damping": 0.15},
+        )  # fmt: skip
+    weight = 10.0 if case == "taut" else 1.6
+    orbit = orbits.steady(dimensionless_system(DRAG, RATIO, None if case == "taut" else weight))
+    return dimensionless_scene(
+        DRAG, RATIO, weight, start=(orbit.state[0], orbit.state[1]), steps=steps, coupling={"scheme": scheme}
+    )
+
+
+def work_precision() -> None:
+    """Largest error of the cradle's heave relative to its largest value, and the CPU time of the run."""
+    print("## Error against cost\n")
+    print(
+        "Error of the heave against the monolithic solution; cost in CPU time of one `jacobi` run at 16 steps a period."
+    )
+    for case in ("taut", "slack", "two-way"):
+        print(f"\n### {case}\n")
+        print("| scheme | " + " | ".join(f"{n} steps" for n in STEPS) + " | order | cost |")
+        print("|---|" + "---|" * (len(STEPS) + 2))
+        unit = None
+        rows = []
+        for scheme in reversed(SCHEMES):
+            errors, costs = [], []
+            for steps in STEPS:
+                master = Master(problem(case, scheme, steps))
+                result = master.run()
+                heave, _ = solve(master.resolved, result.time)
+                errors.append(float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave))))
+                costs.append(result.statistics["cpu_s"])
+            unit = unit or (costs[0] if scheme == "jacobi" else None)
+            order = math.log2(errors[1] / errors[3]) / 2.0
+            rows.append((scheme, errors, order, costs))
+        base = next(costs[0] for scheme, _, _, costs in rows if scheme == "jacobi")
+        for scheme, errors, order, costs in reversed(rows):
+            cost = " / ".join(f"{c / base:.1f}" for c in costs)
+            print(f"| {scheme} | " + " | ".join(f"{e:.1e}" for e in errors) + f" | {order:.2f} | {cost} |")
+
+
+def error_control() -> None:
+    """Achieved error against the tolerance asked for."""
+    print("\n## Error control\n\n| case | tolerance | error | steps | tried again |\n|---|---|---|---|---|")
+    for case in ("taut", "slack"):
+        for tolerance in (1e-3, 1e-4, 1e-5, 1e-6):
+            scene = problem(case, "hermite", 32)
+            scene = replace(
+                scene,
+                coupling=replace(scene.coupling, step=None, tolerance=tolerance),
+                record=replace(scene.record, interval=2.0 * math.pi),
+            )
+            master = Master(scene)
+            result = master.run()
+            heave, _ = solve(master.resolved, result.time)
+            error = float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave)))
+            s = result.statistics
+            print(f"| {case} | {tolerance:g} | {error:.1e} | {s['steps']:.0f} | {s['rejected']:.0f} |")
+
+
+def _best(runs: list[Callable[[], float]], repeats: int = 15) -> list[float]:
+    """Smallest of several results of each, taken in turns: the least disturbed, on equal terms."""
+    return [min(column) for column in zip(*([run() for run in runs] for _ in range(repeats)))]
+
+
+def step_cost(steps: int = 500, size: float = 0.01) -> None:
+    """us per communication step of ship, spring_line and cradle with zero-order hold, as ratios."""
+    scene = dimensionless_scene(
+        DRAG, RATIO, 10.0, periods=steps * size / (2.0 * math.pi), coupling={"scheme": "jacobi", "step": size},
+        cradle={"integration_tolerance": 1e-8},
+    )  # fmt: skip
+    scene = replace(scene, record=replace(scene.record, variables=("ship.heave", "line.tension", "cradle.heave")))
+    resolved = scene.resolve(locator())
+    with tempfile.TemporaryDirectory() as directory:
+
+        def started() -> System:
+            system = System(resolved, Path(directory))
+            system.start(0.0, 1e9)
+            return system
+
+        def master() -> float:
+            system = started()
+            recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
+            settings = Settings("jacobi", size, None, size, False, size, steps * size)
+            run = simulate(system, settings, recorder)
+            system.close()
+            return run.cpu / steps * 1e6
+
+        def inputs() -> list[list[list[float]]]:
+            """What the master sets on each unit at each step."""
+            system = started()
+            sent = []
+            for k in range(steps):
+                jacobi(system, k * size, size)
+                sent.append([unit.input_buffer[: unit._input_count] for unit in system.units])
+                system.accept(size)
+            system.close()
+            return sent
+
+        sent = inputs()
+
+        def raw() -> float:
+            system = started()
+            calls = []
+            for i, unit in enumerate(system.units):
+                buffers = [(c_double * max(1, len(row[i])))(*row[i]) for row in sent]
+                calls.append((
+                    unit._component, unit._set_real, unit._input_references, unit._input_count, buffers,
+                    unit._do_step, unit._get_real, unit._output_references, unit._output_count, unit._output_buffer,
+                ))  # fmt: skip
+            begin = time.process_time()
+            for k in range(steps):
+                t = k * size
+                for component, set_real, inputs, count, buffers, do_step, get_real, outputs, number, values in calls:
+                    if count:
+                        set_real(component, inputs, count, buffers[k])
+                    do_step(component, t, size, 0)
+                    get_real(component, outputs, number, values)
+            cost = (time.process_time() - begin) / steps * 1e6
+            system.close()
+            return cost
+
+        def model() -> float:
+            instances = []
+            for name, unit in resolved.units.items():
+                declared = load(unit.description.model_name)
+                instance = Instance(declared)
+                instance.set_values([declared.index[n] for n in unit.parameters], list(unit.parameters.values()))
+                instance.set_up(0.0, None)
+                instance.enter_initialization()
+                instance.exit_initialization()
+                targets = [c.target for c in resolved.connections if c.target_unit == name]
+                references = [declared.index[n + d] for n in targets for d in ("", "_d1", "_d2", "_d3")]
+                instances.append((instance, references))
+            begin = time.process_time()
+            for k in range(steps):
+                for (instance, references), values in zip(instances, sent[k]):
+                    if references:
+                        instance.set_values(references, values)
+                    instance.do_step(k * size, size)
+            return (time.process_time() - begin) / steps * 1e6
+
+        def cosim() -> float:
+            from libcosimpy.CosimExecution import CosimExecution
+            from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+            from libcosimpy.CosimSlave import CosimLocalSlave
+
+            log_output_level(CosimLogLevel.WARNING)
+            execution = CosimExecution.from_step_size(int(size * 1e9))
+            index, references = {}, {}
+            for name, unit in resolved.units.items():
+                index[name] = execution.add_local_slave(CosimLocalSlave(str(unit.path), name))
+                references[name] = {v.name: v.value_reference for v in unit.description.variables}
+                for parameter, value in unit.parameters.items():
+                    execution.real_initial_value(index[name], references[name][parameter], float(value))
+            for c in resolved.connections:
+                execution.connect_real_variables(
+                    index[c.source_unit], references[c.source_unit][c.source],
+                    index[c.target_unit], references[c.target_unit][c.target],
+                )  # fmt: skip
+            execution.step(1)
+            begin = time.perf_counter()
+            execution.step(steps)
+            return (time.perf_counter() - begin) / steps * 1e6
+
+        peers = [cosim] if find_spec("libcosimpy") else []
+        floor, ours, bare, *theirs = _best([raw, master, model, *peers])
+        print("\n## Cost of a communication step\n")
+        print(f"Ship, spring_line and cradle, zero-order hold, the best of 15 runs of {steps} steps each, in turns.\n")
+        print("| what | us | over raw FMI calls |\n|---|---|---|")
+        print(f"| the models alone, in Python | {bare:.1f} | {bare / floor:.2f} |")
+        print(f"| raw FMI calls, nothing around them | {floor:.1f} | 1 |")
+        print(f"| towage master, `jacobi`, recording | {ours:.1f} | {ours / floor:.2f} |")
+        for cost in theirs:
+            print(f"| libcosim through libcosimpy | {cost:.1f} | {cost / floor:.2f} |")
+            print(f"\nThe master takes {ours / cost:.2f} of libcosim's time on the same three FMUs.")
+        if not theirs:
+            print("\nlibcosimpy is not installed: no comparison with libcosim.")
+
+
+if __name__ == "__main__":
+    chosen = sys.argv[1:] or ["precision", "control", "step"]
+    if "precision" in chosen:
+        work_precision()
+    if "control" in chosen:
+        error_control()
+    if "step" in chosen:
+        step_cost()

@@ -1,0 +1,96 @@
+"""A linear model of a tow as small as its error allows: number of nodes and of states chosen, error stated.
+
+The error of the discretisation is measured, not estimated: gains of the lumped model against the frequency response
+(``cable_response.py``) at three frequencies of the band, in the measure of ``cable_reduction.py``. As it falls with the
+square of the number of nodes, a few trials find that number. The error of the reduction is added to it.
+
+The inextensibility error is the largest difference over the band between the frequency responses with and without EA.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .cable_case import CableError, Tow
+from .cable_linear import LinearModel, cable_elastic, tow_elastic, tow_rigid
+from .cable_perturbation import ComplexArray, Excitation, Response
+from .cable_reduction import reduce, relative_error
+from .cable_response import mesh, responses
+
+FEWEST, MOST = 6, 120
+UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(drag=-1.0), Excitation(lift=1.0)]
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """``nodes``: segments; ``error``: of discretisation and reduction together, relative, over the band;
+    ``inextensible_error``: of leaving EA out (0 for an elastic model or an unknown EA)."""
+
+    model: LinearModel
+    nodes: int
+    error: float
+    inextensible_error: float
+
+
+def exact_gains(tow: Tow, frequencies: list[float]) -> ComplexArray:
+    """Gains (frequencies, 4, 4) of force on the towpoint and velocity of the body, by velocity of the towpoint and
+    force on the body, from the frequency response."""
+    state = mesh(tow, max(frequencies))
+    gains = np.empty((len(frequencies), 4, 4), dtype=complex)
+    for k, omega in enumerate(frequencies):
+        for j, r in enumerate(responses(tow, omega, UNIT_EXCITATIONS, state)):
+            amplitude = -1j * omega if j < 2 else 1.0
+            gains[k, :, j] = np.array(_observed(r)) / amplitude
+    return gains
+
+
+def _observed(r: Response) -> tuple[complex, ...]:
+    fx, fy = r.towpoint_force
+    x, y = r.displacement
+    return -fx, -fy, complex(-1j * r.omega * x[0, 0]), complex(-1j * r.omega * y[0, 0])
+
+
+def choose(
+    tow: Tow,
+    extensible: bool,
+    band: float,
+    tolerance: float,
+    nodes: int = 0,
+    reduced: bool = True,
+    with_body: bool = True,
+) -> Chosen:
+    """The model for a band, rad/s, and a relative tolerance; ``nodes`` > 0 fixes the number of segments. Without body
+    the cable is elastic, and its discretisation error is that of the same cable with the body. Raises `CableError`."""
+    if not (0.0 < tolerance < 1.0 and 0.0 < band < math.inf):
+        raise CableError(f"tolerance {tolerance:g}, band {band:g} rad/s: expected 0 < tolerance < 1, band > 0")
+    extensible = extensible or not with_body
+    rigid = replace(tow, cable=replace(tow.cable, axial_stiffness=math.inf))
+    tow_used = tow if extensible else rigid
+    build = tow_elastic if extensible else tow_rigid
+    frequencies = [band, band / 3.0, band / 10.0]
+    exact = exact_gains(tow_used, frequencies)
+    target = tolerance if not reduced else 0.6 * tolerance
+    count = nodes or 10
+    for _ in range(5):
+        model = build(tow_used, count)
+        found = np.array([_gains(model, omega) for omega in frequencies])
+        error = relative_error(found, exact)
+        if nodes or error <= target or count >= MOST:
+            break
+        count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
+    final = model if with_body else cable_elastic(tow_used, max(count, 2))
+    if reduced:
+        smaller = reduce(final, max(0.25 * tolerance, tolerance - error), band, extensible)
+        final, error = smaller.model, error + smaller.error
+    lost = 0.0
+    if not extensible and math.isfinite(tow.cable.axial_stiffness):
+        lost = relative_error(exact, exact_gains(tow, frequencies))
+    return Chosen(final, count, error, lost)
+
+
+def _gains(model: LinearModel, omega: float) -> ComplexArray:
+    gains: ComplexArray = np.column_stack([model.response(omega, u)[:4] for u in np.eye(4, dtype=complex)])
+    return gains

@@ -1,0 +1,155 @@
+"""Nonlinear tow: elastic lumped cable and body, towpoint velocity in, its force and the body's motion out.
+
+    M(r) v' = f(r, v),   (r - r_N)' = v - v_N                                       (``cable_nonlinear.py``)
+
+For scenes that leave the small-perturbation range. Ports as ``cable_tow_system.py``, forces as changes from the steady
+tow. A communication step is divided into implicit steps of at most ``internal_step``, s, of order 2.
+
+States: positions relative to the towpoint, m, velocities through the water, m/s, displacement of the towpoint, m.
+
+Assumptions: those of ``cable_nonlinear.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from .cable_case import CableError
+from .cable_linear import steady_towpoint_force
+from .cable_lumped import equilibrium
+from .cable_nonlinear import NonlinearCable
+from .cable_parameters import TowParameters, stream_angles, tow_of
+from .cable_steady import Array
+from .ops import Ops
+
+
+@dataclass(frozen=True)
+class Parameters(TowParameters):
+    """SI."""
+
+    segments: float
+    internal_step: float
+
+
+class Modes(NamedTuple):
+    """No branches: a slack segment is one that pulls nothing."""
+
+
+class Inputs(NamedTuple):
+    """As of ``cable_tow_system.py``."""
+
+    velocity_surge: float
+    velocity_heave: float
+    body_drag_change: float
+    body_lift_change: float
+
+
+class Outputs(NamedTuple):
+    """As of ``cable_tow_system.py``; ``tension_least`` over the segments."""
+
+    reaction_surge: float
+    reaction_heave: float
+    tension_top: float
+    tension_body: float
+    tension_least: float
+    body_surge: float
+    body_heave: float
+    body_velocity_surge: float
+    body_velocity_heave: float
+    margin_slack: float
+    margin_quadrant: float
+    body_surge_rate: float
+    body_heave_rate: float
+
+
+class Calculated(NamedTuple):
+    """Of the steady tow."""
+
+    port_mass: float
+    steady_tension_top: float
+    steady_tension_body: float
+
+
+@lru_cache(maxsize=16)
+def prepare(p: Parameters) -> tuple[NonlinearCable, Array]:
+    """(the discretised tow, steady force on the towpoint, N). Raises `CableError`."""
+    cable = NonlinearCable(equilibrium(tow_of(p), int(p.segments)), p.body_quadratic_drag > 0.5)
+    return cable, steady_towpoint_force(cable.chain)
+
+
+def problem(p: Parameters) -> str:
+    """Why the parameters make no sense; empty if they do."""
+    if not p.internal_step > 0.0:
+        return f"internal_step is {p.internal_step:g} s: expected a positive number"
+    try:
+        prepare(p)
+    except CableError as error:
+        return str(error)
+    return ""
+
+
+def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
+    """The steady tow."""
+    return (*prepare(p)[0].start().ravel().tolist(), 0.0, 0.0), Modes()
+
+
+def _state(x: Sequence[float]) -> Array:
+    return np.array(x[:-2]).reshape(2, 2, -1)
+
+
+def advance(
+    t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
+) -> tuple[float, ...]:
+    """Step of length ``h``, s. Raises `CableError` where an implicit step fails."""
+    cable, _ = prepare(p)
+    c = np.array(coefficients)
+    # drag acts aft
+    c[2] *= -1.0
+
+    def motion(s: float) -> Array:
+        u: Array = c @ np.array([1.0, s, s * s, s**3])
+        return u
+
+    count = max(1, math.ceil(h / p.internal_step - 1e-9))
+    state = _state(x)
+    for k in range(count):
+        state = cable.step(k * h / count, h / count, state, motion)
+    moved = [
+        x[len(x) - 2 + i] + h * (a[0] + h * (a[1] / 2.0 + h * (a[2] / 3.0 + h * a[3] / 4.0)))
+        for i, a in enumerate(coefficients[:2])
+    ]
+    return (*state.ravel().tolist(), *moved)
+
+
+def outputs(
+    t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
+) -> Outputs:
+    """All observables."""
+    cable, steady = prepare(p)
+    tow, state = cable.chain.tow, _state(x)
+    force = cable.towpoint_force(state, np.array([u[0], u[1], -u[2], u[3]]), np.array([du[0], du[1]]))
+    tensions = cable.tensions(state)
+    room = min(stream_angles(tow, cable.angles(state).tolist()))
+    start = min(stream_angles(tow, cable.angles(cable.start()).tolist()))
+    velocity = state[1, :, 0] - np.array([tow.speed, 0.0])
+    offset = state[0, :, 0] - (cable.chain.nodes[0] - cable.chain.nodes[-1])
+    least = float((tensions / cable.chain.tension).min())
+    return Outputs(
+        float(steady[0] - force[0]), float(steady[1] - force[1]), float(np.linalg.norm(force)), float(tensions[0]),
+        float(tensions.min()), x[-2] + float(offset[0]), x[-1] + float(offset[1]), float(velocity[0]),
+        float(velocity[1]), least if least < 1.0 else 1.0, min(1.0, room / start), float(velocity[0]),
+        float(velocity[1]),
+    )  # fmt: skip
+
+
+def calculated(p: Parameters, ops: Ops) -> Calculated:
+    """Of the steady tow; ``port_mass``: half of the last segment."""
+    cable, steady = prepare(p)
+    mass = cable.mass(cable.start()[0])[-1]
+    return Calculated(float(mass[1, 1]), float(np.linalg.norm(steady)), cable.chain.tow.end_tension)

@@ -1,0 +1,229 @@
+"""Calls and values that make no sense: the defined status, a message that names the place, and the host lives on."""
+
+import sys
+from ctypes import c_char_p, c_double, c_int, c_uint
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from host import DISCARD, FATAL, OK, STARTS, only, random_inputs, run_checks
+
+NAN, INFINITY = float("nan"), float("inf")
+
+
+def refused(it, status, expected, *words):
+    said = it.messages[-1][2] if it.messages else ""
+    assert status == expected, (status, said)
+    assert it.slave.instanceName in said and it.fmu.name in said, said
+    assert all(word in said for word in words), said
+
+
+def check_bad_steps_are_discarded_and_change_nothing(fmu):
+    it = fmu.ready(STARTS[fmu.name], stop_time=1.0)
+    assert it.step(0.0, 0.25) == OK
+    here = it.observe()
+    for _ in range(3):
+        for time, size, word in (
+            (0.25, 0.0, "step size 0.0"), (0.25, -0.1, "step size -0.1"), (0.25, NAN, "step size nan"),
+            (0.25, INFINITY, "step size inf"), (0.5, 0.1, "expected t = 0.25"), (0.0, 0.1, "expected t = 0.25"),
+            (NAN, 0.1, "t = nan"), (0.25, 0.8, "stop time 1.0"),
+        ):  # fmt: skip
+            refused(it, it.step(time, size), DISCARD, word)
+            assert it.messages[-1][1] == "logStatusError"
+            assert it.observe() == here
+    last = c_double()
+    assert it.call("GetRealStatus", 2, last) == OK and last.value in (0.25, 0.0)
+    assert it.step(0.25, 0.75) == OK
+    it.free()
+
+
+def check_calls_out_of_order(fmu):
+    start = STARTS[fmu.name]
+    it = fmu.instantiate()
+    refused(it, it.step(0.0, 0.1), DISCARD, "phase instantiated", "expected phase stepping")
+    assert it.initialize(start) == OK
+    for function in ("EnterInitializationMode", "ExitInitializationMode"):
+        it = fmu.ready(start)
+        refused(it, it.call(function), FATAL, "phase stepping")
+        it.free()
+    it = fmu.ready(start)
+    refused(it, it.call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0), FATAL, "phase stepping")
+    it.free()
+    it = fmu.ready(start)
+    assert it.call("Terminate") == OK
+    assert it.get()[0] == OK
+    refused(it, it.step(0.0, 0.1), DISCARD, "phase terminated")
+    refused(it, it.set(random_inputs(fmu, __import__("random").Random(1))), FATAL, "phase terminated")
+    it.free()
+    it = fmu.instantiate()
+    refused(it, it.call("Terminate"), FATAL, "phase instantiated")
+    it.free()
+    for begin, end in ((NAN, None), (INFINITY, None), (2.0, 1.0), (0.0, NAN)):
+        it = fmu.instantiate()
+        refused(it, it.initialize(start, begin, end), FATAL, "start time")
+        it.free()
+
+
+def check_bad_values(fmu):
+    start, entry = STARTS[fmu.name], fmu.inputs[0]
+    fixed, result = next(iter(start)), fmu.observed[0]
+    calculated = next(n for n, v in fmu.variables.items() if v.causality == "calculatedParameter")
+    for values, word in (
+        ({entry: NAN}, f"{entry} = nan"), ({entry: -INFINITY}, f"{entry} = -inf"), ({f"{entry}_d2": NAN}, f"{entry}_d2"),
+        ({result: 1.0}, f"{result} may not be set"), ({fixed: 1.0}, f"{fixed} may not be set in phase stepping"),
+        ({calculated: 1.0}, f"{calculated} may not be set"),
+    ):  # fmt: skip
+        it = fmu.ready(start)
+        refused(it, it.set(values), FATAL, word)
+        it.free()
+    for values in ({fixed: NAN}, {result: 1.0}, {calculated: 1.0}):
+        it = fmu.instantiate()
+        refused(it, it.set(values), FATAL, next(iter(values)))
+        it.free()
+
+
+def check_wrong_references(fmu):
+    n = len(fmu.variables)
+    # the last three look like small negative numbers to the bridge
+    for reference in (n, 10**6, 2**31, 2**32 - 1, 2**32 - 20, 2**32 - n):
+        it = fmu.ready(STARTS[fmu.name])
+        refused(it, it.get_references([0, reference])[0], FATAL, f"reference {reference}")
+        it.free()
+        it = fmu.ready(STARTS[fmu.name])
+        refused(it, it.set_references([reference], [1.0]), FATAL, f"reference {reference}")
+        it.free()
+    one = (c_uint * 1)(0)
+    for function, values in (("GetInteger", (c_int * 1)()), ("GetBoolean", (c_int * 1)()),
+                             ("GetString", (c_char_p * 1)()), ("SetString", (c_char_p * 1)(b"x"))):  # fmt: skip
+        it = fmu.ready(STARTS[fmu.name])
+        assert it.call(function, one, 0, values) == OK
+        refused(it, it.call(function, one, 1, values), FATAL, "type Real")
+        refused(it, it.call(function, one, 1, values), FATAL, "type Real")
+        it.free()
+
+
+def check_parameters_out_of_range(fmu):
+    """Every bound, one by one, is kept and named."""
+    tried = 0
+    for v in fmu.variables.values():
+        for bound, sign in ((v.min, -1.0), (v.max, 1.0)):
+            if bound is None:
+                continue
+            bound = float(bound)
+            it = fmu.instantiate()
+            status = it.initialize(STARTS[fmu.name] | {v.name: bound + sign * (1e-12 + 0.01 * abs(bound))})
+            refused(it, status, FATAL, f"{v.name} = ", "expected ")
+            it.free()
+            tried += 1
+    assert tried > 5
+
+
+@only("cradle", "cradle_on_line")
+def check_docking_without_submersible(fmu):
+    it = fmu.instantiate()
+    status = it.initialize(STARTS[fmu.name] | {"submersible_mass": 0.0})
+    refused(it, status, FATAL, "docking_time", "submersible_mass")
+    it.free()
+
+
+@only("spring_line", "cradle_on_line")
+def check_line_without_stiffness(fmu):
+    it = fmu.instantiate()
+    refused(it, it.initialize(STARTS[fmu.name] | {"stiffness": 0.0}), FATAL, "stiffness", "axial_stiffness")
+    it.free()
+    it = fmu.instantiate()
+    assert it.initialize(STARTS[fmu.name] | {"stiffness": 0.0, "axial_stiffness": 3e5, "length": 30.0}) == OK
+    assert it.value("port_stiffness") == 1e4
+    it.free()
+
+
+@only("cradle", "cradle_on_line", "spring_line")
+def check_parameters_may_be_read_before_they_fit_together(fmu):
+    it = fmu.instantiate()
+    name, value = ("docking_time", 2.0) if "docking_time" in fmu.variables else ("stiffness", 0.0)
+    assert it.set({name: value}) == OK
+    assert it.call("EnterInitializationMode") == OK
+    assert it.value(name) == value
+    assert it.set(STARTS[fmu.name]) == OK
+    assert it.get()[0] == OK
+    assert it.call("ExitInitializationMode") == OK
+    it.free()
+
+
+def check_ten_errors_and_a_reset(fmu):
+    """After the first Fatal every call is Fatal, none crashes, and a reset makes the instance as new."""
+    fresh = fmu.ready(STARTS[fmu.name])
+    expected = fresh.observe()
+    it = fmu.ready(STARTS[fmu.name], "wreck")
+    wrong = {fmu.inputs[0]: NAN}
+    for round in range(3):
+        for _ in range(10):
+            assert it.set(wrong) == FATAL
+            assert it.get()[0] == FATAL
+            assert it.step(0.0, 0.1) == FATAL
+            assert it.call("Terminate") == FATAL
+            assert it.call("EnterInitializationMode") == FATAL
+            assert "wreck" in it.messages[-1][2]
+        assert fresh.step(0.1 * round, 0.1) == OK  # the good one beside it goes on
+        assert it.call("Reset") == OK
+        assert it.initialize(STARTS[fmu.name]) == OK
+        assert it.observe() == expected
+    it.free()
+    fresh.free()
+
+
+def check_silent_without_logging(fmu):
+    """The bridge passes messages on only to a host that asked for them; statuses stay."""
+    it = fmu.instantiate(logging=False)
+    assert it.step(0.0, 0.1) == DISCARD
+    assert it.call("Terminate") == FATAL
+    assert it.messages == []
+    it.free()
+
+
+def check_what_the_bridge_keeps_to_itself(fmu):
+    """Nothing of this reaches a unit (docstring of python_slave): if it changes, refuse it there."""
+    it = fmu.instantiate(guid="{00000000-0000-0000-0000-000000000000}")
+    assert it.component is not None
+    assert it.initialize(STARTS[fmu.name]) == OK
+    assert it.call("Reset") == OK  # at any time
+    it.free()
+
+
+@only("ship", "cradle", "cradle_on_line")
+def check_numbers_that_go_bad_are_discarded(fmu):
+    start = STARTS[fmu.name] | ({"drag_area": 1e3} if "drag_area" in fmu.variables else {"damping": 1e7})
+    it = fmu.ready(start)
+    assert it.step(0.0, 0.5) == OK
+    entry = fmu.inputs[0]
+    good = {name: 0.0 for name in random_inputs(fmu, __import__("random").Random(1))}
+    assert it.set(good) == OK
+    here = it.observe()
+    assert it.set({f"{entry}_d3": 1e308}) == OK
+    for _ in range(3):
+        refused(it, it.step(0.5, 100.0), DISCARD, "t = 0.5", "heave")
+        assert it.messages[-1][1] == "logStatusDiscard"
+    assert it.set(good) == OK
+    assert it.observe() == here
+    twin = fmu.ready(start)
+    assert twin.step(0.0, 0.5) == OK and twin.set(good) == OK
+    assert it.step(0.5, 0.5) == twin.step(0.5, 0.5) == OK
+    assert it.observe() == twin.observe()
+    it.free()
+
+
+def check_outputs_are_finite_or_refused(fmu):
+    """Values on a port are never infinite: where an input leads to one, reading it is refused by name."""
+    entry = fmu.inputs[0]
+    start = STARTS[fmu.name] | {"stiffness": 1e300} if "stiffness" in fmu.variables else STARTS[fmu.name]
+    if fmu.name == "cradle":
+        start = start | {"mass": 1e-9}
+    if fmu.name == "ship":
+        start = start | {"mass": 1e-9}
+    it = fmu.ready(start)
+    assert it.set({entry: 1e308}) == OK
+    status, _ = it.get()
+    refused(it, status, FATAL, "t = 0.0", "became")
+    it.free()
+
+
+run_checks(globals())

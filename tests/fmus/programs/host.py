@@ -1,0 +1,217 @@
+"""A bare FMI 2 host for programs that run without the work tree: statuses are returned, never raised.
+
+fmpy finds and loads the library; all calls then go straight to its functions, so that what is seen is what an FMU says.
+"""
+
+import sys
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from pathlib import Path
+
+import fmpy
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE
+from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2StepFinishedTYPE
+from fmpy.logging import addLoggerProxy
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+
+
+class Fmu:
+    """An unpacked FMU."""
+
+    def __init__(self, path, work):
+        self.path = Path(path)
+        self.name = self.path.stem
+        self.description = fmpy.read_model_description(str(path), validate=True)
+        self.directory = Path(work) / f"{self.path.parent.name}_{self.name}"
+        if not self.directory.exists():
+            fmpy.extract(str(path), str(self.directory))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.reference = {n: v.valueReference for n, v in self.variables.items()}
+        self.observed = [n for n, v in self.variables.items() if v.causality in ("output", "local")]
+        self.inputs = [n for n, v in self.variables.items() if v.causality == "input"]
+
+    def instantiate(self, name="it", logging=True, guid=None):
+        """A new instance; `Slave.component` is None where it was refused."""
+        return Slave(self, name, logging, guid or self.description.guid)
+
+    def ready(self, start=None, name="it", start_time=0.0, stop_time=None):
+        """An instance after initialisation."""
+        it = self.instantiate(name)
+        assert it.initialize(start or {}, start_time, stop_time) == OK, it.messages
+        return it
+
+
+class Slave:
+    """An instance. Every method returns the status, those that read (status, value)."""
+
+    def __init__(self, fmu, name, logging, guid):
+        self.fmu, self.messages = fmu, []
+        self.slave = FMU2Slave(
+            guid=guid,
+            unzipDirectory=str(fmu.directory),
+            modelIdentifier=fmu.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        functions = fmi2CallbackFunctions()
+        functions.logger = fmi2CallbackLoggerTYPE(self._log)
+        functions.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        functions.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        functions.stepFinished = fmi2StepFinishedTYPE(lambda environment, status: None)
+        addLoggerProxy(byref(functions))
+        dll = self.slave.dll
+        signatures = {
+            "SetupExperiment": [c_int, c_double, c_double, c_int, c_double], "EnterInitializationMode": [],
+            "ExitInitializationMode": [], "Terminate": [], "Reset": [], "DoStep": [c_double, c_double, c_int],
+            "SetReal": [POINTER(c_uint), c_size_t, POINTER(c_double)],
+            "GetReal": [POINTER(c_uint), c_size_t, POINTER(c_double)],
+            "GetInteger": [POINTER(c_uint), c_size_t, POINTER(c_int)],
+            "GetBoolean": [POINTER(c_uint), c_size_t, POINTER(c_int)],
+            "GetString": [POINTER(c_uint), c_size_t, POINTER(c_char_p)],
+            "SetString": [POINTER(c_uint), c_size_t, POINTER(c_char_p)],
+            "GetRealStatus": [c_int, POINTER(c_double)],
+            "GetFMUstate": [POINTER(c_void_p)], "SetFMUstate": [c_void_p], "FreeFMUstate": [POINTER(c_void_p)],
+            "SerializedFMUstateSize": [c_void_p, POINTER(c_size_t)],
+            "SerializeFMUstate": [c_void_p, c_char_p, c_size_t],
+            "DeSerializeFMUstate": [c_char_p, c_size_t, POINTER(c_void_p)],
+        }  # fmt: skip
+        for function, arguments in signatures.items():
+            raw = getattr(dll, f"fmi2{function}")
+            raw.argtypes, raw.restype = [c_void_p, *arguments], c_int
+        self.dll, self.functions = dll, functions
+        try:
+            self.slave.instantiate(callbacks=functions, loggingOn=logging)
+            self.component = self.slave.component
+        except Exception:
+            self.component = None
+
+    def _log(self, environment, instance, status, category, message):
+        self.messages.append((status, (category or b"").decode(), (message or b"").decode()))
+
+    def call(self, function, *arguments):
+        return getattr(self.dll, f"fmi2{function}")(self.component, *arguments)
+
+    def initialize(self, start, start_time=0.0, stop_time=None):
+        """From instantiation to the first step; the first status that is not OK."""
+        return (
+            (self.set(start) if start else OK)
+            or self.call("SetupExperiment", 0, 0.0, start_time, stop_time is not None, stop_time or 0.0)
+            or self.call("EnterInitializationMode")
+            or self.call("ExitInitializationMode")
+        )
+
+    def set(self, values):
+        return self.set_references([self.fmu.reference[n] for n in values], list(values.values()))
+
+    def set_references(self, references, values):
+        n = len(references)
+        return self.call("SetReal", (c_uint * n)(*references), n, (c_double * n)(*values))
+
+    def get(self, names=None):
+        return self.get_references([self.fmu.reference[n] for n in names or self.fmu.observed])
+
+    def get_references(self, references):
+        n = len(references)
+        buffer = (c_double * n)()
+        return self.call("GetReal", (c_uint * n)(*references), n, buffer), list(buffer)
+
+    def value(self, name):
+        status, (value,) = self.get([name])
+        assert status == OK, self.messages
+        return value
+
+    def observe(self):
+        """All outputs and locals as text that differs with the last bit."""
+        status, values = self.get()
+        assert status == OK, self.messages
+        return [v.hex() for v in values]
+
+    def step(self, time, size):
+        return self.call("DoStep", time, size, 1)
+
+    def get_state(self):
+        state = c_void_p()
+        assert self.call("GetFMUstate", byref(state)) == OK, self.messages
+        return state
+
+    def set_state(self, state):
+        return self.call("SetFMUstate", state)
+
+    def free_state(self, state):
+        assert self.call("FreeFMUstate", byref(state)) == OK
+
+    def serialize(self, state):
+        size = c_size_t()
+        assert self.call("SerializedFMUstateSize", state, byref(size)) == OK
+        buffer = create_string_buffer(size.value)
+        assert self.call("SerializeFMUstate", state, buffer, size.value) == OK
+        return buffer.raw
+
+    def deserialize(self, text):
+        state = c_void_p()
+        assert self.call("DeSerializeFMUstate", text, len(text), byref(state)) == OK
+        return state
+
+    def free(self):
+        if self.component:
+            self.slave.freeInstance()
+            self.component = None
+
+
+def resident():
+    """Resident memory of this process, bytes."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096
+
+
+assert "towage" not in sys.modules
+
+STARTS = {
+    "ship": {"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0},
+    "spring_line": {"stiffness": 1e4, "static_tension": 2e4, "length": 30.0, "breaking_load": 2e5, "wave_speed": 900.0},
+    "cradle": {"mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0, "submersible_mass": 8e3},
+    "cradle_on_line": {
+        "stiffness": 1e4, "mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0,
+        "submersible_mass": 8e3,
+    },
+}  # fmt: skip
+SIZES = {
+    "reaction": 5e4, "heave_top": 4.0, "heave_bottom": 4.0, "line_tension": 3e4, "submersible_velocity": 0.5,
+}  # fmt: skip
+"""Sizes of random inputs, large enough to make the line slack at times."""
+
+
+def random_inputs(fmu, rng):
+    """A random cubic for every input."""
+    return {
+        f"{name}{suffix}": SIZES[name] * rng.uniform(-1.0, 1.0)
+        for name in fmu.inputs
+        for suffix in ("", "_d1", "_d2", "_d3")
+    }
+
+
+def only(*units):
+    """Marks a check that is about some units."""
+
+    def mark(check):
+        check.units = units
+        return check
+
+    return mark
+
+
+def run_checks(names):
+    """Run ``check_*(fmu)`` of a program for every FMU; a line of JSON each, so that a crash does not take those before
+    with it. Arguments: directory of FMUs, directory to unpack to, units."""
+    import json
+    import traceback
+
+    directory, work, *units = sys.argv[1:]
+    for name, check in names.items():
+        for unit in units if name.startswith("check_") else ():
+            if unit in getattr(check, "units", units):
+                try:
+                    check(Fmu(f"{directory}/{unit}.fmu", work))
+                    failure = None
+                except Exception:
+                    failure = traceback.format_exc()
+                print(json.dumps([name, unit, failure]), flush=True)
