@@ -62,8 +62,7 @@ def contents(unit: Unit) -> tuple[str, dict[str, bytes]]:
         digest.update(name.encode() + b"\0" + modules[name] + b"\0")
     package = f"{unit.name}_{digest.hexdigest()[:12]}"
     script = (
-        f"from {package}.fmus.python_slave import slave\n\nFmi2Slave = slave({unit.name!r}, globals())\n\n\n"
-        f"class {unit.name}(Fmi2Slave):\n    pass\n"
+        f"from {package}.fmus.python_slave import slave\n\n{unit.name} = slave({unit.name!r}, globals())\n"
     )
     members = {f"resources/{package}/{name}": text for name, text in modules.items()}
     members[f"resources/{package}_fmu.py"] = script.encode()

@@ -1,4 +1,4 @@
-"""Forbidden areas of the plane: discs and polygons, and whether a leg touches one.
+"""Forbidden areas of the plane: discs, polygons and cells of a grid, and whether a leg touches one.
 
 A leg is a straight segment of the plane. Areas are closed: a leg along the edge of a disc is allowed, because the
 distance is compared with a tolerance of 1e-9 of the radius; one along the edge of a polygon is.
@@ -73,7 +73,33 @@ class Polygon:
         return np.asarray(crossed | middle | self.contains(np.asarray(x1), np.asarray(y1)))
 
 
-Area = Disc | Polygon
+class Cells:
+    """Places whose nearest node of a regular grid is marked: land, or where there are no data. ``mask`` (ny, nx), the
+    first node at (``x0``, ``y0``), mesh ``dx``, ``dy``, m. Legs are sampled at every half mesh."""
+
+    def __init__(self, x0: float, y0: float, dx: float, dy: float, mask: Mask, name: str = "land") -> None:
+        self.x0, self.y0, self.dx, self.dy, self.mask, self.name = x0, y0, dx, dy, np.asarray(mask, dtype=bool), name
+
+    def contains(self, x: Array, y: Array) -> Mask:
+        """Whether places lie on marked cells; beyond the grid that of its edge."""
+        ny, nx = self.mask.shape
+        i = np.clip(np.rint((np.asarray(x) - self.x0) / self.dx), 0, nx - 1).astype(int)
+        j = np.clip(np.rint((np.asarray(y) - self.y0) / self.dy), 0, ny - 1).astype(int)
+        return np.asarray(self.mask[j, i])
+
+    def blocks(self, x0: Array, y0: Array, x1: Array, y1: Array) -> Mask:
+        """Whether legs pass over marked cells."""
+        if not self.mask.any():
+            return np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
+        longest = float(np.max(np.hypot(x1 - x0, y1 - y0), initial=0.0))
+        n = max(2, int(np.ceil(2.0 * longest / min(self.dx, self.dy))))
+        found = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
+        for k in range(1, n + 1):
+            found |= self.contains(x0 + (x1 - x0) * (k / n), y0 + (y1 - y0) * (k / n))
+        return found
+
+
+Area = Disc | Polygon | Cells
 
 
 def blocked(areas: Sequence[Area], x0: Array, y0: Array, x1: Array, y1: Array) -> Mask:

@@ -119,7 +119,7 @@ class Body:
     @property
     def base_drag(self) -> float:
         """C_DB = 0.029 (1 - al^2)^(3/2)/sqrt(F0), F0 the drag without the base."""
-        return 0.029 * (1.0 - self.tail_cut**2) ** 1.5 / math.sqrt(self._forebody_drag)
+        return 0.029 * math.sqrt(1.0 - self.tail_cut**2) ** 3 / math.sqrt(self._forebody_drag)
 
     @property
     def _forebody_drag(self) -> float:

@@ -12,6 +12,7 @@ assignment alone lose one mode with steps of 0.5 and 1; derivative and assignmen
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def track(system: Matrices, speeds: Array, within: float = 150.0, count: int | N
     s, right, left = modes(system, float(speeds[0]))
     pairs = _pairs(s, within)[:count]
     history = [[_ordered(s[i], s[j]) for i, j in pairs]]
-    for here, there in zip(speeds[:-1], speeds[1:]):
+    for here, there in pairwise(speeds):
         chosen = [k for pair in pairs for k in pair]
         step = float(there - here)
         slope = rates_of_change(system, float(here), s[chosen], right[:, chosen], left[:, chosen])

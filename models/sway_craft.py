@@ -22,8 +22,9 @@ Source: the oscillator of `ship`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Sequence
+from typing import NamedTuple
 
 from . import ship
 from .ops import Ops, Value

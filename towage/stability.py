@@ -11,6 +11,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from .description import Value
 from .errors import SceneError
 from .files import atomic_write
 from .fmus.slender_body import UNIT
-from .models import slender_body, slender_critical
+from .models import slender_critical, slender_plant
 from .models.slender_coefficients import Body
 from .models.slender_modes import growth_rate, matrices
 from .models.slender_tracking import Path as ModePath
@@ -57,18 +58,18 @@ class Towed:
     """A unit `slender_body` of a scene: its name, SI parameters and the dimensionless body."""
 
     name: str
-    parameters: slender_body.Parameters
+    parameters: slender_plant.Parameters
     body: Body
 
     @property
     def speed_scale(self) -> float:
         """Tow speed at u = 1, m/s."""
-        return slender_body.plant(self.parameters).speed
+        return slender_plant.plant(self.parameters).speed
 
     @property
     def time_scale(self) -> float:
         """tau, s."""
-        return slender_body.plant(self.parameters).tau
+        return slender_plant.plant(self.parameters).tau
 
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
@@ -80,11 +81,11 @@ def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
             continue
         given: dict[str, Value] = unit.parameters
         values = {v.name: float(given.get(v.name, v.start or 0.0)) for v in UNIT.parameters}
-        p = slender_body.Parameters(**values)
-        problem = slender_body.problem(p)
+        p = slender_plant.Parameters(**values)
+        problem = slender_plant.problem(p)
         if problem:
             raise scene.error(problem, f"units.{name}.parameters")
-        found.append(Towed(name, p, slender_body.body(p)))
+        found.append(Towed(name, p, slender_plant.body(p)))
     if not found:
         raise SceneError(f"no unit of the scene is a {UNIT.name}", file=scene.file, key="units")
     return found
@@ -111,7 +112,7 @@ def row(body: Body, value: float = 0.0, u_max: float = 12.0, n: int = FUNCTIONS,
     flutter = slender_critical.oscillatory(body, u_max, n, step)
     edges = [0.0, *sorted([*yaw, *(c.u for c in flutter)]), u_max]
     stable: list[tuple[float, float]] = []
-    for low, high in zip(edges[:-1], edges[1:]):
+    for low, high in pairwise(edges):
         if high - low > 1e-9 and growth_rate(body, 0.5 * (low + high), n) < 0.0:
             joined = stable and stable[-1][1] == low
             stable[-1:] = [(stable[-1][0], high)] if joined else [*stable[-1:], (low, high)]
@@ -143,7 +144,7 @@ def stability_map(
 def _models() -> str:
     """Hash of the text of the models that rows follow from."""
     digest = hashlib.sha256()
-    for file in sorted(Path(slender_body.__file__).parent.glob("slender_*.py")):
+    for file in sorted(Path(slender_plant.__file__).parent.glob("slender_*.py")):
         digest.update(file.read_bytes())
     return digest.hexdigest()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from .models.slender_tracking import Path as ModePath
 from .report_plots import BLUE, CYCLE, GREEN, RED
 from .stability import RANGES, Array, Row
 
-STYLE = {"svg.hashsalt": "towage", "svg.fonttype": "path", "font.size": 9.0}
+STYLE: Any = {"svg.hashsalt": "towage", "svg.fonttype": "path", "font.size": 9.0}
 LARGEST = 150.0
 """|omega| beyond which modes are not drawn: the first five are below."""
 
@@ -83,9 +84,8 @@ def map_plot(path: Path, title: str, parameter: str, rows: Sequence[Row], u_max:
         if logarithmic:
             axes.set_xscale("log")
         axes.set(xlabel=RANGES[parameter][2], ylabel="u = sqrt(M/EI) U L", ylim=(0.0, u_max), title=title)
-        axes.secondary_yaxis("right", functions=(lambda u: u * speed_scale, lambda v: v / speed_scale)).set_ylabel(
-            "tow speed, m/s"
-        )
+        scales: Any = (lambda u: u * speed_scale, lambda v: v / speed_scale)
+        axes.secondary_yaxis("right", functions=scales).set_ylabel("tow speed, m/s")
         axes.legend(loc="best", fontsize=8)
         axes.grid(alpha=0.3)
         figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)

@@ -1,5 +1,6 @@
 """Calls and values that make no sense: the defined status, a message that names the place, and the host lives on."""
 
+import random
 import sys
 from ctypes import c_char_p, c_double, c_int, c_uint
 from pathlib import Path
@@ -52,7 +53,7 @@ def check_calls_out_of_order(fmu):
     assert it.call("Terminate") == OK
     assert it.get()[0] == OK
     refused(it, it.step(0.0, 0.1), DISCARD, "phase terminated")
-    refused(it, it.set(random_inputs(fmu, __import__("random").Random(1))), FATAL, "phase terminated")
+    refused(it, it.set(random_inputs(fmu, random.Random(1))), FATAL, "phase terminated")
     it.free()
     it = fmu.instantiate()
     refused(it, it.call("Terminate"), FATAL, "phase instantiated")
@@ -171,6 +172,14 @@ def check_ten_errors_and_a_reset(fmu):
     fresh.free()
 
 
+def check_names_that_look_like_formats(fmu):
+    """Hosts print messages through printf."""
+    it = fmu.ready(STARTS[fmu.name], "100%s%n%d")
+    refused(it, it.step(5.0, 0.1), DISCARD, "100%s%n%d (")
+    refused(it, it.set({fmu.inputs[0]: NAN}), FATAL, "100%s%n%d (")
+    it.free()
+
+
 def check_silent_without_logging(fmu):
     """The bridge passes messages on only to a host that asked for them; statuses stay."""
     it = fmu.instantiate(logging=False)
@@ -195,12 +204,12 @@ def check_numbers_that_go_bad_are_discarded(fmu):
     it = fmu.ready(start)
     assert it.step(0.0, 0.5) == OK
     entry = fmu.inputs[0]
-    good = {name: 0.0 for name in random_inputs(fmu, __import__("random").Random(1))}
+    good = {name: 0.0 for name in random_inputs(fmu, random.Random(1))}
     assert it.set(good) == OK
     here = it.observe()
     assert it.set({f"{entry}_d3": 1e308}) == OK
-    for _ in range(3):
-        refused(it, it.step(0.5, 100.0), DISCARD, "t = 0.5", "heave")
+    for _ in range(2):
+        refused(it, it.step(0.5, 100.0), DISCARD, "t = 0.5", "heave" if fmu.name != "ship" else "velocity_rate")
         assert it.messages[-1][1] == "logStatusDiscard"
     assert it.set(good) == OK
     assert it.observe() == here

@@ -15,6 +15,17 @@ from fmpy.logging import addLoggerProxy
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 
 
+_LOGS = []
+
+
+def _log(environment, instance, status, category, message):
+    """fmpy's proxy, which formats messages as printf does, knows only the logger that came last: one for all."""
+    _LOGS[environment - 1].append((status, (category or b"").decode(), (message or b"").decode()))
+
+
+_LOGGER, _STEP_FINISHED = fmi2CallbackLoggerTYPE(_log), fmi2StepFinishedTYPE(lambda environment, status: None)
+
+
 class Fmu:
     """An unpacked FMU."""
 
@@ -53,10 +64,12 @@ class Slave:
             instanceName=name,
         )
         functions = fmi2CallbackFunctions()
-        functions.logger = fmi2CallbackLoggerTYPE(self._log)
+        functions.logger = _LOGGER
         functions.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         functions.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        functions.stepFinished = fmi2StepFinishedTYPE(lambda environment, status: None)
+        functions.stepFinished = _STEP_FINISHED
+        _LOGS.append(self.messages)
+        functions.componentEnvironment = len(_LOGS)
         addLoggerProxy(byref(functions))
         dll = self.slave.dll
         signatures = {
@@ -83,9 +96,6 @@ class Slave:
             self.component = self.slave.component
         except Exception:
             self.component = None
-
-    def _log(self, environment, instance, status, category, message):
-        self.messages.append((status, (category or b"").decode(), (message or b"").decode()))
 
     def call(self, function, *arguments):
         return getattr(self.dll, f"fmi2{function}")(self.component, *arguments)

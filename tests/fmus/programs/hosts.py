@@ -73,10 +73,12 @@ def check_reference_result_reproduces(fmu):
 def check_libcosim_loads_and_steps(fmu):
     from libcosimpy.CosimEnums import CosimExecutionState
     from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimManipulator import CosimManipulator
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
+    log_output_level(CosimLogLevel.WARNING)
     execution = CosimExecution.from_step_size(step_size=int(1e8))
     index = execution.add_local_slave(CosimLocalSlave(fmu_path=str(fmu.path), instance_name="it"))
     for name, value in STARTS[fmu.name].items():

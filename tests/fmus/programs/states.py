@@ -101,6 +101,7 @@ def check_serialised_states_are_bit_equal_in_any_instance(fmu):
                 assert target.set_state(state) == OK
                 _, seen = walk(target, fmu, random.Random(seed), time, 3)
                 assert seen == expected
+                assert target.set_state(state) == OK
                 target.free_state(state)
             new.free()
 

@@ -1,0 +1,92 @@
+"""One spelling of the physics for floats, arrays and symbols."""
+
+from __future__ import annotations
+
+import ast
+import math
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from towage.fmus.unit import load
+from towage.models import cradle, cradle_on_line, ship, spring_line
+from towage.models.ops import FLOATS, arrays, symbols
+
+MODELS = {"ship": ship, "spring_line": spring_line, "cradle": cradle, "cradle_on_line": cradle_on_line}
+TRACED = ("derivatives", "outputs", "transition", "indicators", "advance", "calculated", "next_event_time", "initial")
+STATES = [(0.3, -0.7), (-1.2, 0.4), (0.0, 0.0)]
+
+
+def parameters(name: str) -> Any:
+    unit = load(name)
+    start = {v.name: v.start for v in unit.parameters} | {"mass": 5.0, "stiffness": 3.0, "breaking_load": 50.0}
+    known = {"static_tension": 2.0, "weight_in_water": 2.0, "wave_speed": 9.0, "length": 4.0, "ramp_time": 3.0}
+    fields = MODELS[name].Parameters.__dataclass_fields__
+    return MODELS[name].Parameters(**{f: known.get(f, start.get(f)) for f in fields})
+
+
+def call(model: ModuleType, function: str, x: Any, u: Any, p: Any, ops: Any) -> Any:
+    modes = tuple(1.0 for _ in model.Modes._fields)
+    x = x[: len(model.State._fields)]
+    u = u[: len(model.Inputs._fields)]
+    if function == "derivatives":
+        return model.derivatives(0.7, x, modes, u, p, ops)
+    return model.outputs(0.7, x, modes, u, u, p, ops)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("function", ["derivatives", "outputs"])
+def test_arrays_give_what_floats_give(name: str, function: str) -> None:
+    model, p = MODELS[name], parameters(name)
+    if not hasattr(model, function):
+        pytest.skip("a spring has no derivatives")
+    single = [call(model, function, x, x, p, FLOATS) for x in STATES]
+    columns = tuple(np.array(c) for c in zip(*STATES))
+    batch = call(model, function, columns, columns, p, arrays())
+    for k, one in enumerate(single):
+        together = [float(np.broadcast_to(np.asarray(component, dtype=float), (3,))[k]) for component in batch]
+        assert together == pytest.approx(list(one), rel=1e-15, abs=1e-300)  # the same operations in the same order
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("function", ["derivatives", "outputs"])
+def test_symbols_give_what_floats_give(name: str, function: str) -> None:
+    casadi = pytest.importorskip("casadi")
+    model, p = MODELS[name], parameters(name)
+    if not hasattr(model, function):
+        pytest.skip("a spring has no derivatives")
+    v = casadi.SX.sym("v", 2)
+    traced = casadi.Function(
+        "f", [v], [casadi.vertcat(*call(model, function, (v[0], v[1]), (v[0], v[1]), p, symbols()))]
+    )
+    for x in STATES:
+        expected = list(call(model, function, x, x, p, FLOATS))
+        assert np.array(traced(x)).ravel().tolist() == pytest.approx(
+            expected, rel=1e-14, abs=1e-14
+        )  # CasADi reorders sums
+
+
+def test_the_trap_that_ops_is_there_for() -> None:
+    """``math.sin`` of a symbol is nan without a word."""
+    casadi = pytest.importorskip("casadi")
+    assert math.isnan(math.sin(casadi.SX.sym("x")))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_no_traced_function_uses_math_or_branches_on_values(name: str) -> None:
+    tree = ast.parse(Path(str(MODELS[name].__file__)).read_text(encoding="utf-8"))
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name not in (
+            "problem",
+            "stiffness_problem",
+            "parallel",
+            "series",
+        ):
+            for inner in ast.walk(node):
+                where = f"{name}.{node.name}, line {getattr(inner, 'lineno', 0)}"
+                assert not isinstance(inner, (ast.If, ast.IfExp, ast.While, ast.Assert)), where
+                if isinstance(inner, ast.Attribute) and isinstance(inner.value, ast.Name) and inner.value.id == "math":
+                    assert inner.attr == "pi", where
