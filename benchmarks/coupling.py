@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from msgspec.structs import replace
 
+from towage import checks
 from towage.fmus.instance import Instance
 from towage.fmus.unit import load
 from towage.master import Master
@@ -97,6 +98,48 @@ def error_control() -> None:
             error = float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave)))
             s = result.statistics
             print(f"| {case} | {tolerance:g} | {error:.1e} | {s['steps']:.0f} | {s['rejected']:.0f} |")
+
+
+def growth(scheme: str, ratio: float, product: float, steps: int = 400) -> float | None:
+    """Growth of the undamped two-way loop's energy per radian at H w = ``product``, mass ratio ``ratio``, natural
+    frequencies 1 : 2.039; None if the run fails."""
+    mass = 1.0 / ratio
+    stiffness = 2.039**2 * mass
+    frequency = math.sqrt(1.0 + ratio)
+    scene = dimensionless_scene(
+        0.0,
+        1.0,
+        1e4,
+        start=(1.0, 0.0),
+        periods=steps * product / frequency / (2.0 * math.pi),
+        coupling={"scheme": scheme, "step": product / frequency, "events": False},
+        ship={"heave_amplitude": 0.0, "mass": mass, "stiffness": stiffness},
+    )
+    limits, checks.LIMITS = checks.LIMITS, {}  # what is measured here is what they rest on
+    try:
+        result = Master(scene).run()
+    finally:
+        checks.LIMITS = limits
+    if result.status == "failed":
+        return None
+    x, y = result["ship.heave"], result["cradle.heave"]
+    energy = result["cradle.velocity"] ** 2 + mass * result["ship.velocity"] ** 2 + stiffness * x**2 + (x - y) ** 2
+    return float(np.log(energy[-100:].mean() / energy[:100].mean()) / (0.75 * steps * product))
+
+
+def stability() -> None:
+    """Where the loop begins to grow by itself: what the limits of ``towage/checks.py`` rest on."""
+    products = (0.5, 0.8, 1.2, 1.6, 1.9, 2.4)
+    print(
+        "\n## Stability of the two-way loop\n\nGrowth of the energy per radian of the undamped loop (negative: damped).\n"
+    )
+    print("| scheme | mass ratio | " + " | ".join(f"H w = {p:g}" for p in products) + " |")
+    print("|---|---|" + "---|" * len(products))
+    for scheme in ("hermite", "extrapolate", "implicit"):
+        for ratio in (0.0578, 0.3, 1.0, 10.0, 100.0):
+            found = [growth(scheme, ratio, product) for product in products]
+            cells = " | ".join("fails" if g is None else f"{g:+.4f}" for g in found)
+            print(f"| {scheme} | {ratio:g} | {cells} |")
 
 
 def _best(runs: list[Callable[[], float]], repeats: int = 15) -> list[float]:
@@ -220,10 +263,12 @@ def step_cost(steps: int = 500, size: float = 0.01) -> None:
 
 
 if __name__ == "__main__":
-    chosen = sys.argv[1:] or ["precision", "control", "step"]
+    chosen = sys.argv[1:] or ["precision", "control", "stability", "step"]
     if "precision" in chosen:
         work_precision()
     if "control" in chosen:
         error_control()
+    if "stability" in chosen:
+        stability()
     if "step" in chosen:
         step_cost()

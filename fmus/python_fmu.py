@@ -13,6 +13,7 @@ import io
 import os
 import uuid
 import zipfile
+import zlib
 from importlib import metadata
 from pathlib import Path
 
@@ -54,16 +55,14 @@ def staged_modules(unit_name: str) -> dict[str, bytes]:
     return found
 
 
-def contents(unit: Unit) -> tuple[str, dict[str, bytes]]:
-    """(guid, archive members) of the unit's FMU."""
+def contents(unit: Unit) -> dict[str, bytes]:
+    """The members of the unit's FMU."""
     modules = staged_modules(unit.name)
     digest = hashlib.sha256()
     for name in sorted(modules):
         digest.update(name.encode() + b"\0" + modules[name] + b"\0")
     package = f"{unit.name}_{digest.hexdigest()[:12]}"
-    script = (
-        f"from {package}.fmus.python_slave import slave\n\n{unit.name} = slave({unit.name!r}, globals())\n"
-    )
+    script = f"from {package}.fmus.python_slave import slave\n\n{unit.name} = slave({unit.name!r}, globals())\n"
     members = {f"resources/{package}/{name}": text for name, text in modules.items()}
     members[f"resources/{package}_fmu.py"] = script.encode()
     members["resources/slavemodule.txt"] = f"{package}_fmu\n".encode()
@@ -75,7 +74,7 @@ def contents(unit: Unit) -> tuple[str, dict[str, bytes]]:
     digest.update(model_description(unit, unit.name, "", OPTIONS))
     guid = "{" + str(uuid.uuid5(NAMESPACE, digest.hexdigest())) + "}"
     members["modelDescription.xml"] = model_description(unit, unit.name, guid, OPTIONS)
-    return guid, members
+    return members
 
 
 def _binaries(identifier: str) -> dict[str, bytes]:
@@ -95,9 +94,9 @@ def build(name: str, directory: Path) -> tuple[Path, bool]:
 
     An FMU of the same content is left alone. The file appears at once: two processes may build the same FMU.
     """
-    guid, members = contents(load(name))
+    members = contents(load(name))
     path = directory / f"{name}.fmu"
-    if _guid(path) == guid:
+    if _holds(path, members):
         return path, False
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -116,13 +115,11 @@ def build(name: str, directory: Path) -> tuple[Path, bool]:
     return path, True
 
 
-def _guid(path: Path) -> str | None:
-    """The guid in an FMU, None if there is none to read."""
+def _holds(path: Path, members: dict[str, bytes]) -> bool:
+    """Whether the archive at ``path`` is whole and holds exactly ``members``."""
     try:
         with zipfile.ZipFile(path) as archive:
-            if archive.testzip() is not None:
-                return None
-            text = archive.read("modelDescription.xml").decode()
-            return str(ast.literal_eval(text.split("guid=", 1)[1].split(" ", 1)[0]))
-    except (OSError, KeyError, IndexError, ValueError, SyntaxError, zipfile.BadZipFile):
-        return None
+            names = archive.namelist()
+            return sorted(names) == sorted(members) and all(archive.read(n) == members[n] for n in names)
+    except (OSError, ValueError, EOFError, RuntimeError, zlib.error, zipfile.BadZipFile):
+        return False

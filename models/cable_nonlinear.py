@@ -167,12 +167,14 @@ class NonlinearCable:
     def step(self, time: float, step: float, state: Array, motion: Motion, halvings: int = 0) -> Array:
         """State after ``step``, s. Raises `CableError` where Newton's method fails at the smallest step."""
         weight = GAMMA * step
-        first = self._stage(state, weight, motion(time + weight))
-        if first is not None:
-            slope = (first - state) / weight
-            second = self._stage(state + (1.0 - GAMMA) * step * slope, weight, motion(time + step))
-            if second is not None:
-                return second
+        # an iteration may run away before it is given up
+        with np.errstate(all="ignore"):
+            first = self._stage(state, weight, motion(time + weight))
+            if first is not None:
+                slope = (first - state) / weight
+                second = self._stage(state + (1.0 - GAMMA) * step * slope, weight, motion(time + step))
+                if second is not None:
+                    return second
         if halvings == MAX_HALVINGS:
             raise CableError(f"the cable's motion was not found at t = {time:g} s with steps of {step:.3g} s")
         half = 0.5 * step

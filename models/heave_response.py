@@ -91,7 +91,8 @@ def heave_moments(
         def density(x: float, power: int = power) -> float:
             omega = x * omega_p
             rao = heave_rao(omega, speed, cos_beta, hull, FLOATS, gravity)
-            return encounter_frequency(omega, speed, cos_beta, gravity) ** power * rao * rao * waves.shape(x, gamma)
+            met: float = encounter_frequency(omega, speed, cos_beta, gravity)
+            return float(met**power * rao * rao * waves.shape(x, gamma))
 
         totals.append(m0 * waves.integrate(density, 0.3, max(highest / omega_p, 1.0)))
     return tuple(totals)

@@ -108,7 +108,7 @@ def search(
             break
         settled[node] = True
         row, column = divmod(node, columns)
-        at = offsets + (row, column)
+        at = offsets + np.array([row, column])
         at = at[(at[:, 0] >= 0) & (at[:, 0] < rows) & (at[:, 1] >= 0) & (at[:, 1] < columns)]
         ahead = at[:, 0] * columns + at[:, 1]
         ahead = ahead[~settled[ahead]]
@@ -173,7 +173,7 @@ def _sweep(
     medium: Medium, points: Array, sideways: Array, offsets: Array, areas: Sequence[Area], hint: float
 ) -> tuple[Array, float]:
     """Offsets of the earliest arrival through all stations, in units of ``sideways``, and its time."""
-    n, width = len(points), len(offsets)
+    n = len(points)
     arrival = np.zeros(1)
     place = points[:1]
     parents = []

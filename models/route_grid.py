@@ -114,11 +114,10 @@ class GridField:
     def inside(self, x: Array, y: Array) -> Array:
         """Whether places lie on the grid (with a tolerance of 1e-9 of a mesh)."""
         ex, ey = 1e-9 * self.x.step, 1e-9 * self.y.step
-        return (
-            (x >= self.x.start - ex) & (x <= self.x.end + ex) & (y >= self.y.start - ey) & (y <= self.y.end + ey)
-        )
+        across = (x >= self.x.start - ex) & (x <= self.x.end + ex)
+        return np.asarray(across & (y >= self.y.start - ey) & (y <= self.y.end + ey))
 
-    def _values(self, x: Array, y: Array, t: Array) -> Array:
+    def values(self, x: Array, y: Array, t: Array) -> Array:
         """(3, 4, k): value, x and y derivative of the four data."""
         x, y, t = np.broadcast_arrays(x, y, t)
         shape = x.shape
@@ -147,9 +146,9 @@ class GridField:
 
     def at(self, x: Array, y: Array, t: Array) -> Sea:
         """The sea; beyond the edge that of the edge, without a gradient meaning."""
-        f = self._values(x, y, t)
+        f = self.values(x, y, t)
         return directed_sea((f[0, 0], f[1, 0], f[2, 0]), (f[0, 1], f[1, 1], f[2, 1]), (f[0, 2], f[1, 2], f[2, 2]))
 
     def period(self, x: Array, y: Array, t: Array) -> Array:
         """Peak period, s; 0 where it follows from the height."""
-        return np.asarray(np.maximum(0.0, self._values(x, y, t)[0, 3]))
+        return np.asarray(np.maximum(0.0, self.values(x, y, t)[0, 3]))

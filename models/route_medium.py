@@ -11,7 +11,7 @@
 | a, b, c, k, k' | the ellipse of speeds (`route_polar`) and its axes | m/s |
 | u | current | m/s |
 | D | determinant of the adjoint columns, D' = -D div, div = sum d^2 h/(dx_i dl_i) | - |
-| rho | curvature radius of the ellipse, d^2 h/dl^2 = (m rho/\\|l\\|) n'n' with n' across l | m/s |
+| rho | curvature radius of the ellipse, d^2 h/dl^2 = (m rho/|l|) n'n' with n' across l | m/s |
 
 h is the support function of the set of velocities: no quadrants, no arctangent and no division by the sine of a course
 angle, where the source divides by zero on courses along the waves. The terms with rho and D give the source's own
@@ -28,12 +28,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .ops import arrays
+from .ops import Value, arrays
 from .route_fields import Field, Sea, ShearCurrent
 from .route_maps import RouteMap
 from .route_polar import Array, Polar, TablePolar
 
 OPS = arrays()
+STILL = ShearCurrent()
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Medium:
     map: RouteMap
     field: Field
     polar: Polar
-    current: ShearCurrent = ShearCurrent()
+    current: ShearCurrent = STILL
 
     @property
     def smooth(self) -> bool:
@@ -120,7 +121,7 @@ class Medium:
         a, b, c = (float(v[0]) for v in self._axes(sea)[:3])
         px, py = np.cos(direction), np.sin(direction)
         along, across = float((px * sea.kx + py * sea.ky)[0]), float((py * sea.kx - px * sea.ky)[0])
-        v = _radius(a, b, -c * 1.0, 0.0, along, across)
+        v = float(_radius(a, b, -c, 0.0, along, across))
         nx, ny = (v * along + c) / a**2, v * across / b**2
         kx, ky = float(sea.kx[0]), float(sea.ky[0])
         return float(np.arctan2(nx * ky + ny * kx, nx * kx - ny * ky))
@@ -132,15 +133,14 @@ class Medium:
         along, across = px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky
         if isinstance(self.polar, TablePolar):
             theta = np.where(sea.directed, np.arctan2(across, along), 0.0)
-            return m * self.polar.speed_along(sea.height, theta)
+            return np.asarray(m * self.polar.speed_along(sea.height, theta))
         a, b, c = self._axes(sea)[:3]
         u, w = self.current.at(x, y)
-        return m * np.maximum(
-            0.0, _radius(a, b, u * sea.kx + w * sea.ky - c, w * sea.kx - u * sea.ky, along, across)
-        )
+        v = _radius(a, b, u * sea.kx + w * sea.ky - c, w * sea.kx - u * sea.ky, along, across)
+        return np.asarray(m * np.maximum(0.0, v))
 
 
-def _radius(a: Array, b: Array, ck: Array, cn: Array, along: Array, across: Array) -> Array:
+def _radius(a: Value, b: Value, ck: Value, cn: Value, along: Value, across: Value) -> Value:
     """v > 0 with v (along, across) on the ellipse of semi-axes a, b about (ck, cn); 0 where there is none."""
     qa = (along / a) ** 2 + (across / b) ** 2
     qb = along * ck / a**2 + across * cn / b**2

@@ -24,13 +24,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .ops import Ops, Value
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
+"""Of floats or truth values."""
 FOOT, KNOT = 0.3048, 1852.0 / 3600.0
 JAMES_LIMIT = 48.0 * FOOT
 
@@ -163,7 +165,7 @@ class TablePolar:
 
     def beyond(self, height: Array) -> NDArray[np.bool_]:
         """Whether ``height`` is above the table, whose last row then holds."""
-        return np.asarray(height) > self.heights[-1]
+        return np.asarray(np.asarray(height) > self.heights[-1])
 
     def _mix(self, rows: Array, height: Array, theta: Array) -> Array:
         place = (np.asarray(theta) + math.pi) / (2.0 * math.pi) * self.SAMPLES
@@ -199,7 +201,7 @@ def _hull(theta: Array, speed: Array) -> tuple[Array, list[tuple[float, float]]]
 
     corners = sorted(set(half(order) + half(order[::-1])))
     hull, chords = speed.copy(), []
-    for i, j in zip(corners, corners[1:] + [corners[0] + n]):
+    for i, j in zip(corners, [*corners[1:], corners[0] + n]):
         inner = np.arange(i + 1, j) % n
         if len(inner):
             ex, ey = x[j % n] - x[i], y[j % n] - y[i]

@@ -8,15 +8,16 @@ Unknown are the direction alpha of the adjoint vector at the start and the time 
 |---|---|---|
 | V | velocity at the end | m/s |
 | j_exact | true derivative of the end along n' with alpha, at fixed T | m/rad |
-| j_seed | (\\|l\\|/D) int m rho D^2/\\|l\\|^3 dt: the source's, which leaves out that the displaced track meets other waves | m/rad |
+| j_seed | (|l|/D) int m rho D^2/|l|^3 dt: the source's, as if the displaced track met the same waves | m/rad |
 
 Near a solution an iteration with fraction f of the step multiplies the error of alpha by 1 - f j_exact/j. With
 j = j_seed (``seed``, f = 1: the source) it therefore converges linearly, oscillates with growing amplitude where
 j_exact > 2 j_seed, that is where a storm focuses the tracks, and, because j_seed > 0, is driven away from extremals
-behind a conjugate point, where j_exact < 0. ``safeguarded`` takes j = max(j_seed, j_exact), |d alpha| <= 0.3,
-|dT| <= 0.2 T, the first bound halved whenever alpha turns back and grown where it goes on: the multiplier lies in [0, 1) at every local minimum
-and above 1 elsewhere, so it ends in minima only, and limit cycles across the ridge between two of them die out. Once
-the miss is small and j_exact > 0, j = j_exact: a saddle has j_exact < 0, so Newton's method cannot end in one there.
+behind a conjugate point, where j_exact < 0. ``safeguarded`` takes j = max(j_seed, j_exact), |dT| <= 0.2 T and
+|d alpha| <= 0.3, the latter bound halved whenever alpha turns back and grown where it goes on: the multiplier lies in
+[0, 1) at every local minimum and above 1 elsewhere, so it ends in minima only, and limit cycles across the ridge
+between two of them die out. Once the miss is small and j_exact > 0, j = j_exact: a saddle has j_exact < 0, so Newton's
+method cannot end in one there.
 
 Certificate: j_exact > 0 along the whole track is Jacobi's condition (no conjugate point); with the convex polar this
 makes the track a strict local minimum.

@@ -188,7 +188,7 @@ def free_motion(t: float, x: Sequence[float], p: Parameters) -> tuple[float, flo
             rate -= across
             acceleration -= w * w * along
         return value, rate, acceleration, v0
-    a1, w1, v1 = _table(new, sea, hull)
+    a1, w1, _ = _table(new, sea, hull)
     (c1, d1), omega1 = _doppler(new), new[1]
     period = p.update_interval
     s = min(1.0, max(0.0, since / period))
@@ -293,7 +293,8 @@ def _slow(x: Sequence[float], p: Parameters) -> float:
         abs(x[15] - x[11]) / max(x[15], x[11]),
         2.0 * abs(math.sin(0.5 * (x[16] - x[12]))) if height > CALM else 0.0,
     )
-    return 1.0 - change * 2.0 * math.pi / max(x[15], x[11]) / p.update_interval / SLOW
+    margin: float = 1.0 - change * 2.0 * math.pi / max(x[15], x[11]) / p.update_interval / SLOW
+    return margin
 
 
 def calculated(p: Parameters, ops: Ops) -> ship.Calculated:

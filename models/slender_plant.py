@@ -28,6 +28,8 @@ from .slender_step import FAST, fast_mode_damping, propagator
 Array = NDArray[np.float64]
 MODES, MODE_ERROR, RIGID_ERROR = 5, 1e-4, 0.05
 """Modes and error that ``resolved_speed`` stands for."""
+FLEXURE = 11.0
+"""|s|, in 1/tau, half that of the first free-free mode: faster modes are flexure."""
 STATIONS = np.cos(np.linspace(math.pi, 0.0, 25)) / 2.0
 """Points at which the slope is watched, denser towards the ends."""
 
@@ -139,19 +141,20 @@ def step_matrices(p: Parameters, speed: float, h: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=16)
 def resolved_speed(p: Parameters) -> float:
-    """Tow speed in m/s, on a grid of half a unit of u up to 16, up to which the first five modes agree with those of six
-    further functions; rigid: those of rope and yaw with the flexible body's."""
+    """Tow speed in m/s, on a grid of 0.5 in u up to 16, up to which the first five modes agree with those of six further
+    functions; rigid: on a grid of 0.05, those of rope and yaw with the flexible body's."""
     made = plant(p)
     flexible = made.n > 2
     reference = matrices(made.body, made.n + 6 if flexible else 16)
-    count, limit = (MODES, MODE_ERROR) if flexible else (4, RIGID_ERROR)
-    u = 0.0
-    while u < 16.0:
-        wanted = spectrum(reference, u + 0.5, count)
+    count, limit, grid = (MODES, MODE_ERROR, 0.5) if flexible else (4, RIGID_ERROR, 0.05)
+    k = 0
+    while (k + 1) * grid <= 16.0:
+        u = (k + 1) * grid
+        wanted = spectrum(reference, u, count)
         if not flexible:
-            wanted = wanted[np.abs(wanted) < 0.5 * 22.37]  # beyond half the first free-free frequency it is flexure
-        found = roots(made.system, u + 0.5)
+            wanted = wanted[np.abs(wanted) < FLEXURE]
+        found = roots(made.system, u)
         if any(np.min(np.abs(found - s)) > limit * abs(s) for s in wanted):
             break
-        u += 0.5
-    return float(max(u, 0.25) * made.speed)
+        k += 1
+    return float(max(k, 0.5) * grid * made.speed)

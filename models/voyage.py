@@ -117,4 +117,4 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Any, ops: Op
         values.append(sum(w * v for w, v in zip(value, f)))
         rates.append(scale * sum(w * v for w, v in zip(slope, f)))
     known = ops.where(p.horizon > 0.0, 1.0 - tau / ops.where(p.horizon > 0.0, p.horizon, 1.0), 1.0)
-    return Outputs(*values, share, known, *rates)
+    return Outputs._make([*values, share, known, *rates])

@@ -29,6 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from itertools import pairwise
 
 GRAVITY = 9.80665
 PHILLIPS = 0.0081
@@ -44,7 +45,7 @@ def peak_frequency(height: float, period: float = 0.0, gravity: float = GRAVITY)
     (4 alpha 4/5)^(1/4) sqrt(g/Hs) = 0.40124 sqrt(g/Hs)."""
     if period > 0.0:
         return 2.0 * math.pi / period
-    return (3.2 * PHILLIPS) ** 0.25 * math.sqrt(gravity / height)
+    return math.sqrt(math.sqrt(3.2 * PHILLIPS) * gravity / height)
 
 
 def shape(x: float, gamma: float = 1.0) -> float:
@@ -106,13 +107,13 @@ def _points(low: float, high: float) -> list[tuple[float, float]]:
     cuts = [low, *(cut for cut in (1.0, 1.7) if low < cut < high), high]
     return [
         (0.5 * (a + b) + 0.5 * (b - a) * x, 0.5 * (b - a) * w)
-        for a, b in zip(cuts, cuts[1:])
+        for a, b in pairwise(cuts)
         for x, w in legendre_rule(_PANEL)
     ]
 
 
 def integrate(f: Callable[[float], float], low: float, high: float) -> float:
-    """int f(x) b-like function over ``low`` ... ``high`` in x = omega/omega_p: Gauss-Legendre panels split at the peak."""
+    """int f(x) dx over ``low`` ... ``high`` in x = omega/omega_p: Gauss-Legendre panels split at the peak."""
     return math.fsum(w * f(x) for x, w in _points(low, high))
 
 

@@ -1,8 +1,8 @@
 """What can be said before a run: will this scheme carry this loop at this step?
 
 An interface loop of stiffness K between masses m_i oscillates at w = sqrt(K sum 1/m_i). Units report K and m_i
-(``port_stiffness``, ``port_mass``). The limits on H w below are where the amplitude of that loop, computed with exact
-unit maps, starts to grow by itself or the iteration stops converging, rounded down (``docs/coupling.md``).
+(``port_stiffness``, ``port_mass``). Below the limits on H w the energy of the undamped loop grows by less than 1 % a
+radian at mass ratios from 0.06 to 100 (measured: ``benchmarks/coupling.py stability``).
 """
 
 from __future__ import annotations

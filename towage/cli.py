@@ -22,6 +22,7 @@ COMMANDS = {
     "validate": "towage.commands.validate",
     "list": "towage.commands.list",
     "verify": "towage.commands.verify",
+    "route": "towage.commands.route",
 }
 INTERRUPTED = 130
 """128 + SIGINT, as shells have it."""

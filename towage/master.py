@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from . import checks, judge, sdof
+from . import checks, judge, judge_slender, sdof
 from .errors import RunError, SceneError
 from .recorder import Recorder, read_journal
 from .resolve import ResolvedScene
@@ -51,8 +51,9 @@ class Master:
             result = self._result(settings.scheme, before)
             recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs], journal)
             stop = settings.stop_time
+            simpler = self.scene.checks.simpler
             extra = self.scene.coupling.error_estimate, self.scene.checks.sdof is not None
-            share = 1.0 / (1.0 + 0.5 * extra[0] + extra[1])
+            share = 1.0 / (1.0 + 0.5 * extra[0] + extra[1] + (simpler is not None))
 
             def hear(begin: float, size: float, text: str) -> Callable[[float], None]:
                 return lambda t: say(share * (begin + size * t / stop), text)
@@ -76,6 +77,13 @@ class Master:
             if extra[1]:
                 told = hear(1.0 + 0.5 * extra[0], 1.0, "one-way run")
                 self._compare(result, settings, system, columns, recorded, told)
+            if simpler:
+                told = hear(1.0 + 0.5 * extra[0] + extra[1], 1.0, "simpler model")
+                try:
+                    time, other = self._second_run(self.scene.simpler(), settings, told)
+                    result.checks.append(judge_slender.compare(simpler, result.time, columns, time, other))
+                except RunError as error:
+                    result.checks.append(Check("simpler model", "warning", None, None, f"failed: {error}"))
             result.margins = judge.margins(self.resolved, result.time, {n: columns[n] for n in recorded})
             result.verdict = judge.verdict(result.comparison, result.margins)
             say(1.0, "done")

@@ -239,6 +239,16 @@ class Resolver:
             _, variable = self.find(name, key)
             if not variable.name.startswith("margin_"):
                 raise self.fault(f"{name!r} is no margin: expected 'unit.margin_...'", key)
+        if checks.simpler:
+            margin = checks.simpler.margin
+            names = {f"motions[{k}]": name for k, name in enumerate(checks.simpler.motions)}
+            recorded = self.record()
+            for place, name in (names | ({"margin": margin} if margin else {})).items():
+                key = f"checks.simpler.{place}"
+                unit, variable = self.find(name, key)
+                if (unit, variable.name) not in recorded:
+                    raise self.fault(f"{name!r} is not recorded: add it to record.variables", key)
+            Resolver(self.scene.simpler(), self.descriptions).resolved()
         if checks.sdof is None:
             return
         for index, cut in enumerate(checks.sdof.cut):

@@ -13,7 +13,6 @@ import math
 import re
 from pathlib import Path
 
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,10 +74,10 @@ def read(
     layers = [_filled(v, missing) for v in (raw[0][:, ::flip], np.cos(angle), np.sin(angle))]
     times = _filled(raw[2][:, ::flip], missing) if period else None
     gone = missing.any(axis=0)
-    source = GridField(tx, ty, tt, *layers, times)
+    source = GridField(tx, ty, tt, layers[0], layers[1], layers[2], times)
     if not isinstance(plane, StereographicMap):
         # on a flat map x is east and y north: the angle from +x is 90 degrees minus the bearing
-        field = GridField(tx, ty, tt, layers[0], layers[2], layers[1], times)
+        field = GridField(tx, ty, tt, layers[0], cos_angle=layers[2], sin_angle=layers[1], peak_period=times)
         return field, Cells(tx.start, ty.start, tx.step, ty.step, gone, "no data") if gone.any() else None
     return _on_plane(source, gone, plane, start, end)
 
@@ -99,7 +98,7 @@ def _on_plane(
     longitude = source.x.start + np.mod(longitude - source.x.start, 360.0)
     layers: list[list[Array]] = [[], [], [], []]
     for k in range(source.t.count):
-        values = source._values(longitude, latitude, np.full(x.shape, source.t.start + k * source.t.step))[0]
+        values = source.values(longitude, latitude, np.full(x.shape, source.t.start + k * source.t.step))[0]
         angle = plane.direction(x, y, np.arctan2(values[2], values[1]))
         for layer, value in zip(layers, (np.maximum(values[0], 0.0), np.cos(angle), np.sin(angle), values[3])):
             layer.append(value)
@@ -107,7 +106,8 @@ def _on_plane(
     no_data = ~source.inside(longitude, latitude) | cells.contains(longitude, latitude)
     stacked = [np.array(layer) for layer in layers]
     area = Cells(ax.start, ay.start, mesh, mesh, no_data, "no data") if no_data.any() else None
-    return GridField(ax, ay, source.t, *stacked[:3], None if source.peak_period is None else stacked[3]), area
+    period = None if source.peak_period is None else stacked[3]
+    return GridField(ax, ay, source.t, stacked[0], stacked[1], stacked[2], period), area
 
 
 def _variables(path: Path) -> dict[str, tuple[Array, str]]:
@@ -124,21 +124,21 @@ def _variables(path: Path) -> dict[str, tuple[Array, str]]:
         try:
             with netcdf_file(path, "r", mmap=False, maskandscale=True) as content:
                 for name, variable in content.variables.items():
-                    unit = getattr(variable, "units", b"")
+                    unit: object = getattr(variable, "units", b"")
                     values = np.ma.filled(np.ma.asarray(variable[:], dtype=float), math.nan)
                     found[name] = values, unit.decode() if isinstance(unit, bytes) else str(unit)
         except (ValueError, TypeError, IndexError, OSError) as error:
             raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
         return found
     try:
-        import xarray
+        import xarray  # type: ignore[import-not-found,unused-ignore]
     except ImportError:
         raise SceneError("is not a classic netCDF file; for netCDF 4: pip install xarray netCDF4", file=path) from None
     try:
         with xarray.open_dataset(path, decode_times=False) as data:
-            for name, values in data.variables.items():
-                if np.issubdtype(values.dtype, np.number):
-                    found[str(name)] = np.asarray(values, dtype=float), str(values.attrs.get("units", ""))
+            for name, column in data.variables.items():
+                if np.issubdtype(column.dtype, np.number):
+                    found[str(name)] = np.asarray(column, dtype=float), str(column.attrs.get("units", ""))
     except (ValueError, OSError) as error:
         raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
     return found
@@ -193,6 +193,6 @@ def _filled(values: Array, missing: NDArray[np.bool_]) -> Array:
             filled = np.where(np.isnan(filled), np.nanmean(filled), filled)
             break
         filled = np.where(np.isnan(filled) & (count > 0), mean, filled)
-    return filled
+    return np.asarray(filled)
 
 

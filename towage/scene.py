@@ -76,10 +76,22 @@ class SdofCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     settle: float = 0.0
 
 
+class SimplerCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[checks.simpler]``: the run is repeated with the values ``set``, which make a model simpler, and ``motions`` are
+    compared from ``settle``, s, on. ``margin`` of the simpler run tells what the simpler model says of itself."""
+
+    set: dict[str, Any]
+    motions: tuple[str, ...]
+    margin: str | None = None
+    tolerance: float = 0.05
+    settle: float = 0.0
+
+
 class Checks(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``[checks]``; ``report_only`` names margins that do not decide."""
 
     sdof: SdofCheck | None = None
+    simpler: SimplerCheck | None = None
     report_only: tuple[str, ...] = ()
 
 
@@ -135,6 +147,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         scene = _Reader(file).scene(_plain(data))
         for case in scene.cases:
             scene.case(case.name)
+        if scene.checks.simpler:
+            scene.simpler()
         return scene
 
     def case(self, name: str) -> Scene:
@@ -175,8 +189,18 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
             one = min(missing)
             raise self.error(f"there is no connection {one!r}" + suggest(one, self.connections), "connections")
         rest = tuple(text for text in self.connections if text not in cut)
-        checks = msgspec.structs.replace(self.checks, sdof=None)
+        checks = msgspec.structs.replace(self.checks, sdof=None, simpler=None)
         return msgspec.structs.replace(self, connections=rest, checks=checks)
+
+    def simpler(self) -> Scene:
+        """The scene with the values of ``checks.simpler``, and without the comparisons."""
+        check = self.checks.simpler
+        if check is None:
+            raise self.error("missing", "checks.simpler")
+        bare = msgspec.structs.replace(self, checks=msgspec.structs.replace(self.checks, sdof=None, simpler=None))
+        name = "checks.simpler"
+        changed = msgspec.structs.replace(bare, cases=(Case(name, check.set),)).case(name)
+        return msgspec.structs.replace(changed, cases=())
 
     def resolve(self, locate: Locate) -> ResolvedScene:
         """Check everything, the cases too, against the descriptions of the units. Raises ``SceneError``, and
@@ -280,6 +304,8 @@ class _Reader:
             sdof = self.convert(checks["sdof"], SdofCheck, "checks.sdof")
             cut = tuple(self.connection(text, f"checks.sdof.cut[{i}]") for i, text in enumerate(sdof.cut))
             checks["sdof"] = msgspec.structs.replace(sdof, cut=cut)
+        if checks.get("simpler") is not None:
+            checks["simpler"] = self.convert(checks["simpler"], SimplerCheck, "checks.simpler")
         top["checks"] = self.convert(checks, Checks, "checks")
         if not isinstance(cases := top.get("cases", []), list | tuple):
             self.fail("expected an array of tables, [[cases]]", "cases")
@@ -323,7 +349,7 @@ class _Reader:
 
     def check(self, scene: Scene) -> None:
         """Numbers and names that can be judged without the units."""
-        coupling, sdof = scene.coupling, scene.checks.sdof
+        coupling, sdof, simpler = scene.coupling, scene.checks.sdof, scene.checks.simpler
         if not scene.units:
             self.fail("a scene needs at least one unit", "units")
         if (coupling.step is None) == (coupling.tolerance is None):
@@ -335,6 +361,7 @@ class _Reader:
             "coupling.tolerance": coupling.tolerance,
             "record.interval": scene.record.interval,
             "checks.sdof.tolerance": sdof.tolerance if sdof else None,
+            "checks.simpler.tolerance": simpler.tolerance if simpler else None,
         }
         for key, value in values.items():
             if value is not None and not (0.0 < value < math.inf):
@@ -347,6 +374,8 @@ class _Reader:
                 self.fail(f"{length} s is longer than stop_time, {scene.stop_time} s", key)
         if sdof and not (0.0 <= sdof.settle < scene.stop_time):
             self.fail(f"{sdof.settle} s is out of range: expected 0 s to {scene.stop_time} s", "checks.sdof.settle")
+        if simpler and not (0.0 <= simpler.settle < scene.stop_time):
+            self.fail(f"{simpler.settle} s is out of range: expected 0 s to {scene.stop_time} s", "checks.simpler.settle")
         names = [case.name for case in scene.cases]
         for index, name in enumerate(names):
             if not name.strip() or name in names[:index]:

@@ -16,6 +16,7 @@ loop's frequency at some 20 steps a period. The schemes of order 1 have none.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -28,6 +29,10 @@ Scheme = Callable[[System, float, float], float]
 FLOOR = 1e-3
 MAX_ITERATIONS = 50
 ITERATION_TOLERANCE = 1e-11
+ROUND_OFF = 1e-8
+"""A residual below this that no longer falls is round-off: a reaction is the difference of two large tensions."""
+HISTORY = 9
+"""Iterations that the quasi-Newton update looks back on."""
 RESIDUAL_WEIGHT = 0.05
 
 
@@ -81,22 +86,26 @@ def implicit(system: System, time: float, step: float) -> float:
     used, found = _ends(system), _ends(system)
     residuals: list[Any] = []
     results: list[Any] = []
+    best, stalled = math.inf, 0
     for _ in range(MAX_ITERATIONS):
         _set_ends(system, used)
         _correct(system, time, step)
         found = _ends(system)
         residual = (found - used) * weights
-        if not np.all(np.isfinite(residual)):
+        size = float(np.max(np.abs(residual)))
+        if not size < math.inf:
             break
-        if float(np.max(np.abs(residual))) < ITERATION_TOLERANCE:
+        stalled = stalled + 1 if size > 0.5 * best else 0
+        best = min(best, size)
+        if size < ITERATION_TOLERANCE or (size < ROUND_OFF and stalled):
             return _change(predicted)
         residuals.append(residual)
         results.append(found)
         used = found
         if len(residuals) > 1:
-            differences = np.array([r - residual for r in residuals[:-1]]).T
+            differences = np.array([r - residual for r in residuals[-HISTORY:-1]]).T
             mixture = np.linalg.lstsq(differences, -residual, rcond=1e-10)[0]
-            used = found + np.array([r - found for r in results[:-1]]).T @ mixture
+            used = found + np.array([r - found for r in results[-HISTORY:-1]]).T @ mixture
     raise RunError(
         f"the coupling did not converge in {MAX_ITERATIONS} iterations at a step of {step:g} s: try a smaller step, or "
         "join the tightly coupled units (cradle_on_line for a cradle on a stiff line)",

@@ -204,7 +204,7 @@ def check_numbers_that_go_bad_are_discarded(fmu):
     it = fmu.ready(start)
     assert it.step(0.0, 0.5) == OK
     entry = fmu.inputs[0]
-    good = {name: 0.0 for name in random_inputs(fmu, random.Random(1))}
+    good = dict.fromkeys(random_inputs(fmu, random.Random(1)), 0.0)
     assert it.set(good) == OK
     here = it.observe()
     assert it.set({f"{entry}_d3": 1e308}) == OK

@@ -1,0 +1,47 @@
+"""FMUs built once, and programs that run without the work tree."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from towage.fmus.python_fmu import build
+
+UNITS = ("ship", "spring_line", "cradle", "cradle_on_line")
+PROGRAMS = Path(__file__).parent / "programs"
+Program = Callable[..., str]
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A directory with the FMUs of this work tree."""
+    directory = tmp_path_factory.mktemp("fmus")
+    for name in UNITS:
+        build(name, directory)
+    return directory
+
+
+@pytest.fixture(scope="session")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Program:
+    """Runs one of `PROGRAMS` on its own: isolated mode, elsewhere, a copy, so that nothing of the work tree is found;
+    returns what it printed."""
+
+    def run(name: str, *arguments: object, stdin: str = "") -> str:
+        directory = tmp_path_factory.mktemp(name)
+        for file in PROGRAMS.glob("*.py"):
+            shutil.copy(file, directory)
+        done = subprocess.run(
+            [sys.executable, "-I", str(directory / f"{name}.py"), *map(str, arguments)],
+            cwd=directory, env={"TMPDIR": str(directory)}, input=stdin, capture_output=True, text=True, timeout=300,
+        )  # fmt: skip
+        assert done.returncode == 0, (
+            f"{name} ended with {done.returncode}:\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+        )
+        return done.stdout
+
+    return run
