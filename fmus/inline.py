@@ -3,10 +3,11 @@
 An FMU computes with floats only, and there a call of ``ops.where`` costs more than the choice it makes. `floats` reads
 the source of a model and returns the same functions with
 
-    ops.where(c, a, b) -> a if c else b,    ops.maximum(a, b) -> a if a > b else b,    State(a, b) -> (a, b)
+    ops.where(c, a, b) -> a if c else b,    ops.maximum(a, b) -> a if a > b else b,    return State(a, b) -> return a, b
 
-which take half the time. Values are those of `models.ops.FLOATS` to the last bit; only a side of ``where`` that is not
-chosen is no longer evaluated. Line numbers are kept, so that tracebacks point into the model.
+the last in the functions of `BY_POSITION` alone. They take half the time. Values are those of `models.ops.FLOATS` to
+the last bit; only a side of ``where`` that is not chosen is no longer evaluated. Line numbers are kept, so that
+tracebacks point into the model.
 """
 
 from __future__ import annotations
@@ -17,13 +18,16 @@ from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+BY_POSITION = ("derivatives", "outputs", "transition", "advance")
+"""Functions whose results are read by position."""
+
 
 @cache
 def floats(model: ModuleType) -> SimpleNamespace:
     """The names of ``model``, with its functions (and those of the models it imports) for floats."""
     names = dict(vars(model))
     for name, value in vars(model).items():
-        if isinstance(value, ModuleType) and value.__package__ == model.__package__:
+        if isinstance(value, ModuleType) and value.__package__ == model.__package__ and hasattr(value, "Ops"):
             names[name] = floats(value)
     tree = ast.parse(inspect.getsource(model))
     tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
@@ -46,30 +50,36 @@ class _Inline(ast.NodeTransformer):
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
         node.returns = None
-        return self.generic_visit(node)
+        self.generic_visit(node)
+        for statement in node.body if node.name in BY_POSITION else ():
+            if isinstance(statement, ast.Return) and statement.value is not None:
+                statement.value = self._plain(statement.value)
+        return node
+
+    def _plain(self, value: ast.expr) -> ast.expr:
+        """``value`` with plain tuples for named ones."""
+        if isinstance(value, ast.Tuple):
+            return ast.Tuple([self._plain(each) for each in value.elts], ast.Load())
+        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and not value.keywords:
+            fields = getattr(self.names.get(value.func.id), "_fields", ())
+            if fields and len(fields) == len(value.args) and not any(isinstance(a, ast.Starred) for a in value.args):
+                return ast.Tuple(value.args, ast.Load())
+        return value
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         self.generic_visit(node)
         called, values = node.func, node.args
-        owner = called.value.id if isinstance(called, ast.Attribute) and isinstance(called.value, ast.Name) else None
-        if owner == "ops":
-            operation = called.attr  # type: ignore[attr-defined]
-            if operation == "where":
-                return ast.IfExp(*values)
-            if operation == "abs":
-                return ast.Call(ast.Name("abs", ast.Load()), values, [])
-            if operation in ("minimum", "maximum"):
-                (first, a), (second, b) = map(self._once, values)
-                order = ast.Lt() if operation == "minimum" else ast.Gt()
-                return ast.IfExp(ast.Compare(first, [order], [second]), a, b)
+        if not (isinstance(called, ast.Attribute) and isinstance(called.value, ast.Name) and called.value.id == "ops"):
             return node
-        if isinstance(called, ast.Name):
-            target = self.names.get(called.id)
-        else:
-            target = getattr(self.names.get(owner or ""), getattr(called, "attr", ""), None)
-        fields = getattr(target, "_fields", ()) if isinstance(target, type) else ()
-        plain = not node.keywords and not any(isinstance(value, ast.Starred) for value in values)
-        return ast.Tuple(values, ast.Load()) if fields and plain and len(values) == len(fields) else node
+        if called.attr == "where":
+            return ast.IfExp(*values)
+        if called.attr == "abs":
+            return ast.Call(ast.Name("abs", ast.Load()), values, [])
+        if called.attr in ("minimum", "maximum"):
+            (first, a), (second, b) = map(self._once, values)
+            order = ast.Lt() if called.attr == "minimum" else ast.Gt()
+            return ast.IfExp(ast.Compare(first, [order], [second]), a, b)
+        return node
 
     def _once(self, value: ast.expr) -> tuple[ast.expr, ast.expr]:
         """Expressions for the first and every later use of ``value``, which is computed once."""

@@ -5,8 +5,8 @@ from .unit import FREEZE_BRANCHES, Unit, Variable, calculated, entry, local, mar
 
 ELASTICITY = (
     parameter("stiffness", "N/m", 0.0, "Stiffness K; 0: axial_stiffness / length", display="lbf/ft", min=0.0),
-    parameter("axial_stiffness", "N", 0.0, "Axial stiffness EA", display="lbf", min=0.0),
-    parameter("length", "m", 0.0, "Length at rest", display="ft", min=0.0),
+    parameter("axial_stiffness", "N", 1e6, "Axial stiffness EA", display="lbf", min=0.0),
+    parameter("length", "m", 30.0, "Length at rest", display="ft", min=0.0),
     parameter("breaking_load", "N", 0.0, "Breaking load; 0: not known", display="lbf", min=0.0),
     parameter("wave_speed", "m/s", 0.0, "Speed of longitudinal waves along the line; 0: not known", display="ft/s",
               min=0.0),

@@ -2,7 +2,8 @@
 
 The error of the discretisation is measured, not estimated: gains of the lumped model against the frequency response
 (``cable_response.py``) at three frequencies of the band, in the measure of ``cable_reduction.py``. As it falls with the
-square of the number of nodes, a few trials find that number. The error of the reduction is added to it.
+square of the number of nodes, a few trials find that number. The error of the reduction is added to it. In Quadrant I
+the velocity of the towpoint counts, in II forces on the body too: they are what drives the two problems.
 
 The inextensibility error is the largest difference over the band between the frequency responses with and without EA.
 """
@@ -72,22 +73,23 @@ def choose(
     build = tow_elastic if extensible else tow_rigid
     frequencies = [band, band / 3.0, band / 10.0]
     exact = exact_gains(tow_used, frequencies)
+    counted = 2 if with_body and tow.quadrant == 1 else 4
     target = tolerance if not reduced else 0.6 * tolerance
     count = nodes or 10
     for _ in range(5):
         model = build(tow_used, count)
         found = np.array([_gains(model, omega) for omega in frequencies])
-        error = relative_error(found, exact)
+        error = relative_error(found, exact, counted)
         if nodes or error <= target or count >= MOST:
             break
         count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
     final = model if with_body else cable_elastic(tow_used, max(count, 2))
     if reduced:
-        smaller = reduce(final, max(0.25 * tolerance, tolerance - error), band, extensible)
+        smaller = reduce(final, max(0.25 * tolerance, tolerance - error), band, extensible, counted)
         final, error = smaller.model, error + smaller.error
     lost = 0.0
     if not extensible and math.isfinite(tow.cable.axial_stiffness):
-        lost = relative_error(exact, exact_gains(tow, frequencies))
+        lost = relative_error(exact, exact_gains(tow, frequencies), counted)
     return Chosen(final, count, error, lost)
 
 

@@ -10,7 +10,7 @@ Two methods, one for each kind of model:
   lightly damped axial modes far above the band dominate the Hankel singular values.
 
 The error is the largest over the band, frequency by frequency, of |y_reduced - y|/|y| with the largest component of the
-towpoint's force and of the second pair of outputs (velocity of the body, or force on it), each for every input alone.
+towpoint's force and of the second pair of outputs (velocity of the body, or force on it), each for every input that counts alone.
 A candidate that is not stable is never returned.
 
 Not to be confused with proper orthogonal decomposition over a band, which gave unstable models here.
@@ -63,12 +63,12 @@ def transfer(model: LinearModel, frequencies: Array) -> ComplexArray:
     return gains
 
 
-def relative_error(found: ComplexArray, exact: ComplexArray) -> float:
-    """The measure of the module's text, for the inputs that are velocities or forces (the first four)."""
+def relative_error(found: ComplexArray, exact: ComplexArray, inputs: int = 4) -> float:
+    """The measure of the module's text, for the first ``inputs`` of the inputs."""
     worst = 0.0
     for rows in (FORCE, BODY_VELOCITY):
-        size = np.abs(exact[:, rows, :4]).max(axis=1)
-        difference = np.abs(found[:, rows, :4] - exact[:, rows, :4]).max(axis=1)
+        size = np.abs(exact[:, rows, :inputs]).max(axis=1)
+        difference = np.abs(found[:, rows, :inputs] - exact[:, rows, :inputs]).max(axis=1)
         keep = size > 0.0
         worst = max(worst, float((difference[keep] / size[keep]).max(initial=0.0)))
     return worst
@@ -79,19 +79,19 @@ def stable(model: LinearModel) -> bool:
     return bool(np.linalg.eigvals(model.a).real.max(initial=-1.0) < 0.0)
 
 
-def reduce(model: LinearModel, tolerance: float, band: float, extensible: bool) -> Reduced:
+def reduce(model: LinearModel, tolerance: float, band: float, extensible: bool, inputs: int = 4) -> Reduced:
     """The smallest model of the method for its kind whose error up to ``band``, rad/s, is at most ``tolerance``; the
     full model, error 0, where none is. Raises `CableError` for a tolerance or band that is not positive."""
     if not (tolerance > 0.0 and band > 0.0):
         raise CableError(f"tolerance {tolerance:g}, band {band:g} rad/s: expected positive numbers")
     frequencies = band_frequencies(band)
     exact = transfer(model, frequencies)
-    build = _modal(model, exact, frequencies) if extensible else _balanced(model, exact)
+    build = _modal(model, exact, frequencies, inputs) if extensible else _balanced(model, exact, inputs)
     for states in range(1, len(model.a)):
         candidate = build(states)
         if candidate is None or not stable(candidate):
             continue
-        error = relative_error(transfer(candidate, frequencies), exact)
+        error = relative_error(transfer(candidate, frequencies), exact, inputs)
         if error <= tolerance:
             return Reduced(candidate, error, band)
     return Reduced(model, 0.0, band)
@@ -100,14 +100,14 @@ def reduce(model: LinearModel, tolerance: float, band: float, extensible: bool) 
 Build = Callable[[int], LinearModel | None]
 
 
-def _balanced(model: LinearModel, exact: ComplexArray) -> Build:
+def _balanced(model: LinearModel, exact: ComplexArray, inputs: int) -> Build:
     """Function of the number of states that gives the reduced model, or None."""
     rows = np.r_[FORCE, BODY_VELOCITY]
     # outputs and inputs measured by what passes between them in the band
     out = 1.0 / np.abs(exact[:, rows, :2]).max(axis=(0, 2))
-    inputs = np.ones(4)
-    inputs[2:] = 1.0 / max(float(np.abs(exact[:, FORCE, 2:4]).max()), 1e-300) / out[0]
-    b, c = model.b * inputs, model.c[rows] * out[:, None]
+    scale = np.ones(inputs)
+    scale[2:] = 1.0 / max(float(np.abs(exact[:, FORCE, 2:4]).max()), 1e-300) / out[0]
+    b, c = model.b[:, :inputs] * scale, model.c[rows] * out[:, None]
     controllability = _root(solve_continuous_lyapunov(model.a, -b @ b.T))
     observability = _root(solve_continuous_lyapunov(model.a.T, -c.T @ c))
     u, s, vt = np.linalg.svd(observability.T @ controllability)
@@ -138,7 +138,7 @@ def _root(gramian: Array) -> Array:
     return root
 
 
-def _modal(model: LinearModel, exact: ComplexArray, frequencies: Array) -> Build:
+def _modal(model: LinearModel, exact: ComplexArray, frequencies: Array, inputs: int) -> Build:
     """Function of the number of states that gives the reduced model, or None where it would split a pair."""
     values, vectors = np.linalg.eig(model.a)
     upper = np.flatnonzero(values.imag >= 0.0)
@@ -148,8 +148,8 @@ def _modal(model: LinearModel, exact: ComplexArray, frequencies: Array) -> Build
     s = -1j * frequencies[:, None]
     # what a mode leaves behind when static and acceleration correction stand for it: (s/value)^2/(s - value)
     rest = np.abs((s / values) ** 2 / (s - values))
-    size = np.maximum(np.abs(exact[:, rows, :]).max(axis=1), 1e-300)
-    strength = np.abs(left[:, None, :]) * np.abs(right[rows].T[:, :, None])
+    size = np.maximum(np.abs(exact[:, rows, :inputs]).max(axis=1), 1e-300)
+    strength = np.abs(left[:, None, :inputs]) * np.abs(right[rows].T[:, :, None])
     importance = np.array([
         (rest[:, i, None] * strength[i].max(axis=0) / size).max() * width[i] for i in range(len(values))
     ])  # fmt: skip

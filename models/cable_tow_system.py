@@ -157,7 +157,10 @@ def outputs(
         -y[0], -y[1], top + y[7], body + y[6], x[n] + y[4], x[n + 1] + y[5], y[2], y[3],
         speed_margin(p.tow_speed, p.perturbation_limit, u), slack, flow_margin(prepared, u, turn), quadrant,
         1.0 - chosen.error / p.tolerance, 1.0 - chosen.inextensible_error / p.tolerance,
-        -rate[0], -rate[1], rate[7], y[2], y[3], rate[2], rate[3],
+        -rate[0], -rate[1], rate[7],
+        rate[4] + u[0],
+        rate[5] + u[1],
+        rate[2], rate[3],
     )  # fmt: skip
 
 

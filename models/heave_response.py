@@ -117,14 +117,15 @@ def components(
 ) -> Components:
     """n components, long-crested for ``spread`` < 0, else cos^2s with s = ``spread`` over ``directions`` directions.
 
-    With directions, each has a Gauss rule of its own of another number of nodes (near n/directions), so that no two
-    components share a frequency and a record tells as much as an ensemble. Raises ``ValueError`` as `waves` does."""
+    With directions, each has n/directions components from a Gauss rule of its own, on a band that reaches up to a tenth
+    higher, so that no two components share a frequency and a record tells as much as an ensemble. Raises ``ValueError``
+    as `waves` does."""
     fan: Sequence[tuple[float, float]] = ((0.0, 1.0),) if spread < 0 else waves.spreading(spread, directions)
     fan = [(mu, share) for mu, share in fan if share > 1e-12]
     rows = []
     for j, (mu, share) in enumerate(fan):
-        count = n if spread < 0 else max(2, n // len(fan) - len(fan) // 2) + j
-        for x, w in waves.gauss_rule(count, gamma, band):
+        own = (band[0], band[1] * (1.0 + 0.1 * j / len(fan)))
+        for x, w in waves.gauss_rule(max(2, n // len(fan)), gamma, own):
             rows.append((x, math.sqrt(share * w / 8.0), math.cos(mu), math.sin(mu)))
     return Components(
         tuple(r[0] for r in rows), tuple(r[1] for r in rows), waves.phases(seed, len(rows)),

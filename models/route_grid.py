@@ -29,16 +29,19 @@ import numpy as np
 from .route_fields import Sea, directed_sea
 from .route_polar import Array
 
+# values at the four neighbours from 1, s, s^2, s^3
+KERNEL = 0.5 * np.array([[0.0, 2.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [2.0, -5.0, 4.0, -1.0], [-1.0, 3.0, -3.0, 1.0]])
+SLOPE = KERNEL[1:] * np.array([[1.0], [2.0], [3.0]])
+
 
 def _weights(s: Array) -> tuple[Array, Array]:
-    """Kernel at the four neighbours and its derivative, (k, 4)."""
-    s2, s3 = s * s, s * s * s
-    return (
-        np.stack([0.5 * (-s3 + 2.0 * s2 - s), 0.5 * (3.0 * s3 - 5.0 * s2 + 2.0), 0.5 * (-3.0 * s3 + 4.0 * s2 + s),
-                  0.5 * (s3 - s2)], axis=-1),
-        np.stack([0.5 * (-3.0 * s2 + 4.0 * s - 1.0), 0.5 * (9.0 * s2 - 10.0 * s), 0.5 * (-9.0 * s2 + 8.0 * s + 1.0),
-                  0.5 * (3.0 * s2 - 2.0 * s)], axis=-1),
-    )  # fmt: skip
+    """Kernel at the four neighbours and its derivative, (..., 4)."""
+    powers = np.empty((*s.shape, 4))
+    powers[..., 0] = 1.0
+    powers[..., 1] = s
+    np.multiply(s, s, out=powers[..., 2])
+    np.multiply(powers[..., 2], s, out=powers[..., 3])
+    return powers @ KERNEL, powers[..., :3] @ SLOPE
 
 
 def _with_ghosts(values: Array, axis: int) -> Array:
@@ -121,28 +124,22 @@ class GridField:
         """(3, 4, k): value, x and y derivative of the four data."""
         x, y, t = np.broadcast_arrays(x, y, t)
         shape = x.shape
-        x, y, t = x.ravel(), y.ravel(), t.ravel()
-        (i, u), (j, v) = self.x.place(x), self.y.place(y)
+        (i, u), (j, v), (h, w) = self.x.place(x.ravel()), self.y.place(y.ravel()), self.t.place(t.ravel())
+        (wx, wy, wt), (dx, dy, _) = _weights(np.stack([u, v, w]))
         near = np.arange(4)
-        wx, dx = _weights(u)
-        wy, dy = _weights(v)
+        rows, columns = (j[:, None] + near)[:, :, None], (i[:, None] + near)[:, None, :]
+        k = len(i)
         if self.t.count == 1:
-            block = self._data[1][(j[:, None] + near)[:, :, None], (i[:, None] + near)[:, None, :]]
+            block = self._data[1][rows, columns]
         else:
-            h, w = self.t.place(t)
-            wt = _weights(w)[0]
-            cells = self._data[
-                (h[:, None] + near)[:, :, None, None], (j[:, None] + near)[:, None, :, None],
-                (i[:, None] + near)[:, None, None, :],
-            ]  # fmt: skip
-            block = np.einsum("kt,ktyxc->kyxc", wt, cells)
-        rows = np.einsum("ky,kyxc->kxc", wy, block)
-        slope = np.einsum("ky,kyxc->kxc", dy / self.y.step, block)
-        found = np.stack([
-            np.einsum("kx,kxc->ck", wx, rows), np.einsum("kx,kxc->ck", dx / self.x.step, rows),
-            np.einsum("kx,kxc->ck", wx, slope),
-        ])  # fmt: skip
-        return np.asarray(found.reshape(3, 4, *shape))
+            cells = self._data[(h[:, None] + near)[:, :, None, None], rows[:, None], columns[:, None]]
+            block = (wt[:, None] @ cells.reshape(k, 4, 64)).reshape(k, 4, 4, 4)
+        # first along y, with value and slope together, then along x
+        both = (np.stack([wy, dy / self.y.step], axis=1) @ block.reshape(k, 4, 16)).reshape(k, 2, 4, 4)
+        value = np.stack([wx, dx / self.x.step], axis=1) @ both[:, 0]
+        slope = wx[:, None] @ both[:, 1]
+        found = np.concatenate([value, slope], axis=1)  # (k, 3, 4)
+        return np.asarray(np.moveaxis(found, 0, -1).reshape(3, 4, *shape))
 
     def at(self, x: Array, y: Array, t: Array) -> Sea:
         """The sea; beyond the edge that of the edge, without a gradient meaning."""

@@ -185,6 +185,8 @@ class TablePolar:
 def _hull(theta: Array, speed: Array) -> tuple[Array, list[tuple[float, float]]]:
     """(speed of the convex hull at ``theta``, its chords as pairs of angles) of a star-shaped polar curve."""
     n = len(theta)
+    if not speed.any():
+        return speed.copy(), []
     x, y = speed * np.cos(theta), speed * np.sin(theta)
     order = sorted(range(n), key=lambda i: (x[i], y[i]))
 

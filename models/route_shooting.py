@@ -120,7 +120,7 @@ def shoot(
     active = np.arange(k)
     span = math.dist(start, end)
     reach = tolerance * span
-    ceiling = 50.0 * float(np.max(time))
+    ceiling = 50.0 * float(np.max(time, initial=0.0))
     for _ in range(iterations + 1):
         n = len(active)
         if not n:

@@ -17,7 +17,7 @@
 The spectrum is never transformed to encounter frequencies, where its Jacobian is singular at omega = g/(2 V cos beta).
 As x_i stays when the sea changes, a change of height, period, direction or speed makes no jump: every
 ``update_interval`` the unit looks at its inputs, and over the next interval amplitudes, omega_p and the rates of C and
-D go over to the new sea by the smooth s^2 (3 - 2 s). Its heave thus lags the sea by up to two intervals, its velocity
+D go over to the new sea by the ramp of `ship`. Its heave thus lags the sea by up to two intervals, its velocity
 is the exact derivative of its heave, and phases between two looks are closed forms: P, C and D advance once an
 interval, with the rounding error carried along, so that ten hours drift by less than 1e-9 rad.
 
@@ -192,8 +192,8 @@ def free_motion(t: float, x: Sequence[float], p: Parameters) -> tuple[float, flo
     (c1, d1), omega1 = _doppler(new), new[1]
     period = p.update_interval
     s = min(1.0, max(0.0, since / period))
-    blend, blend1 = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / period
-    blend2, area = 6.0 * (1.0 - 2.0 * s) / (period * period), period * s * s * s * (1.0 - 0.5 * s)
+    blend, blend1, blend2 = ship.ramp(s * period, period, FLOATS)
+    area = period * s**4 * (2.5 - 3.0 * s + s * s)
     phase_p = x[2] + (x[3] + omega0 * since + (omega1 - omega0) * area)
     phase_c = x[4] + (x[5] + c0 * since + (c1 - c0) * area)
     phase_d = x[6] + (x[7] + d0 * since + (d1 - d0) * area)

@@ -22,6 +22,8 @@ COMMANDS = {
     "validate": "towage.commands.validate",
     "list": "towage.commands.list",
     "verify": "towage.commands.verify",
+    "stability": "towage.commands.stability",
+    "response": "towage.commands.response",
     "route": "towage.commands.route",
 }
 INTERRUPTED = 130
@@ -81,7 +83,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=f"example:\n  towage run sea_cliff --out out\n\n{EXIT_CODES}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    top.add_argument("--version", action="version", version=f"towage {__version__}")
+    top.add_argument("-V", "--version", action="version", version=f"towage {__version__}")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
     for name, module in COMMANDS.items():
         command = importlib.import_module(module)

@@ -45,6 +45,21 @@ class Input:
     feedthrough: bool
 
 
+_LOGS: dict[int, list[str]] = {}
+"""The messages of every living instance, by the environment that it hands to the logger."""
+MAX_MESSAGES = 1000
+
+
+def _log(environment: int | None, instance: Any, status: int, category: Any, message: bytes | None) -> None:
+    kept = _LOGS.get(environment or 0)
+    if kept is not None and len(kept) < MAX_MESSAGES:
+        kept.append((message or b"").decode(errors="replace"))
+
+
+_LOGGER = fmi2CallbackLoggerTYPE(_log)
+"""One for all instances and for ever: fmpy's proxy, which formats the messages, knows only the last one it was given."""
+
+
 class StepRefused(Exception):
     """fmi2DoStep returned Discard or Error: the instance may be restored and stepped otherwise."""
 
@@ -96,10 +111,12 @@ class Unit:
             instanceName=name,
         )
         self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        self._callbacks.logger = _LOGGER
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         self._callbacks.stepFinished = fmi2StepFinishedTYPE(lambda environment, status: None)
+        self._callbacks.componentEnvironment = id(self.messages)
+        _LOGS[id(self.messages)] = self.messages
         addLoggerProxy(byref(self._callbacks))
         try:
             self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)
@@ -124,10 +141,6 @@ class Unit:
         self.slopes = (c_double * max(1, len(slopes)))()
         self.slope_slot = {i.name: k for k, i in enumerate(slopes)}
         self.advance = self._stepper()
-
-    def _log(self, environment: Any, instance: Any, status: int, category: Any, message: Any) -> None:
-        if len(self.messages) < 1000:
-            self.messages.append((message or b"").decode(errors="replace"))
 
     def _said(self) -> str:
         """The last thing the unit logged."""
@@ -258,3 +271,4 @@ class Unit:
                 self._slave.terminate()
             self._slave.freeInstance()
             self.dead = True
+        _LOGS.pop(id(self.messages), None)

@@ -93,9 +93,12 @@ class Master:
 
     def check(self) -> list[Check]:
         """The checks before a run, without running."""
+        from . import towing  # the towing models are heavy to import
+
         system = self._system(self.resolved)
         try:
-            return self._settings(system, refuse=False)[1] + sdof.before_run(system, self.scene.checks.sdof)
+            found = self._settings(system, refuse=False)[1] + sdof.before_run(system, self.scene.checks.sdof)
+            return found + towing.before_run(self.resolved)
         finally:
             system.close()
 

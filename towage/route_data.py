@@ -125,7 +125,7 @@ def _variables(path: Path) -> dict[str, tuple[Array, str]]:
             with netcdf_file(path, "r", mmap=False, maskandscale=True) as content:
                 for name, variable in content.variables.items():
                     unit: object = getattr(variable, "units", b"")
-                    values = np.ma.filled(np.ma.asarray(variable[:], dtype=float), math.nan)
+                    values: Array = np.ma.filled(np.ma.asarray(variable[:], dtype=float), math.nan)
                     found[name] = values, unit.decode() if isinstance(unit, bytes) else str(unit)
         except (ValueError, TypeError, IndexError, OSError) as error:
             raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
@@ -150,7 +150,7 @@ def _seconds(values: Array, unit: str, departure: datetime.datetime | None, path
     if match is None:
         if unit.strip().rstrip("s") not in SECONDS or departure is not None:
             raise SceneError(f"time has unit {unit!r}, expected 'hours since 2020-01-01'", file=path, key="time")
-        return (values - values[0]) * SECONDS[unit.strip().rstrip("s")]
+        return np.asarray((values - values[0]) * SECONDS[unit.strip().rstrip("s")])
     if match[1] not in SECONDS:
         raise SceneError(f"time has unit {unit!r}, expected 'hours since 2020-01-01'", file=path, key="time")
     seconds = values * SECONDS[match[1]]

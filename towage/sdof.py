@@ -47,9 +47,8 @@ def before_run(system: System, check: SdofCheck | None) -> list[Check]:
     estimate, limit = sdof.closed_form_of(found), RULE * check.tolerance
     small = estimate <= limit
     text = "the line moves the ship little at any frequency" if small else "the line may move the ship: measure it"
-    return [
-        Check("SDOF eps*", "ok" if small else "warning", estimate, limit, f"closed form over all frequencies: {text}")
-    ]
+    message = f"closed form over all frequencies: eps* = {estimate:.3g}, limit {limit:.3g}; {text}"
+    return [Check("SDOF eps*", "ok" if small else "warning", estimate, limit, message)]
 
 
 def theory(system: System, check: SdofCheck) -> dict[str, float | None]:

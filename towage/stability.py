@@ -119,9 +119,13 @@ def row(body: Body, value: float = 0.0, u_max: float = 12.0, n: int = FUNCTIONS,
     return Row(value, tuple(yaw), tuple((c.u, c.omega, c.destabilising) for c in flutter), tuple(stable))
 
 
-def default_values(parameter: str, points: int) -> list[float]:
-    """``points`` values over the parameter's range; rope lengths in equal ratios."""
+def default_values(body: Body, parameter: str, points: int) -> list[float]:
+    """``points`` values over the parameter's range; rope lengths in equal ratios, slenderness from where the ends of the
+    body are longer than hemispheres."""
     low, high, _ = RANGES[parameter]
+    if parameter == "slenderness":
+        low = max(low, 0.51 / body.end_length)
+        high = max(high, 3.0 * low)
     space = np.geomspace if parameter == "rope_length" else np.linspace
     return [float(v) for v in space(low, high, points)]
 

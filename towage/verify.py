@@ -22,15 +22,16 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from . import verify_cable, verify_cradle, verify_sea
+from . import verify_cable, verify_cradle, verify_sea, verify_slender
 from .errors import SceneError
 
 DEFAULT_RTOL = 1e-8
-OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json")
+OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json")
 """The project's own copies, in ``towage/reference``."""
 
 SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {
     **verify_cradle.SOLVERS, **verify_cable.SOLVERS, **verify_sea.SOLVERS,
+    **verify_slender.SOLVERS,
 }  # fmt: skip
 """The function that computes a kind of case: (inputs, expected) -> values."""
 

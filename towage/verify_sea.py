@@ -98,20 +98,25 @@ def _zermelo(inputs: Values) -> Values:
     medium = Medium(FlatMap(), UniformField(), ConstantPolar(inputs["speed"]), ShearCurrent(rate_x=-1.0))
     (x0, y0), (x1, y1) = inputs["start"], inputs["end"]
     start, end = (float(x0), float(y0)), (float(x1), float(y1))
-    alpha = math.radians(inputs["theta0_deg"]) + np.linspace(-0.6, 0.6, 7)
-    shots = route_shooting.shoot(medium, start, end, alpha, np.full(7, 2.0 * math.dist(start, end)))
+    alpha = math.radians(inputs["theta0_deg"]) + np.linspace(-0.3, 0.3, 3)
+    shots = route_shooting.shoot(medium, start, end, alpha, np.full(3, 2.0 * math.dist(start, end)),
+                                 iterations=30)  # fmt: skip
     if not shots.converged.any():
         raise ValueError("no start converged")
     return {"time": float(np.min(shots.time[shots.converged]))}
 
 
 def saddles(given: route.Problem, guess: float) -> list[float]:
-    """Times, s, of extremals with a conjugate point, by Newton's method with the true Jacobian from 41 courses."""
+    """Times, s, of extremals with a conjugate point, by damped Newton steps with the true Jacobian from 15 courses,
+    finished with full ones."""
     (x0, y0), (x1, y1) = given.start, given.end
-    alpha = math.atan2(y1 - y0, x1 - x0) + np.linspace(-1.2, 1.2, 41)
-    shots = route_shooting.shoot(
-        given.medium, given.start, given.end, alpha, np.full(41, guess), method="exact", fraction=0.5, iterations=60,
+    alpha = math.atan2(y1 - y0, x1 - x0) + np.linspace(-1.2, 1.2, 15)
+    first = route_shooting.shoot(
+        given.medium, given.start, given.end, alpha, np.full(15, guess), method="exact", fraction=0.5, steps=16,
+        iterations=40, tolerance=1e-4,
     )  # fmt: skip
+    near = first.converged & (first.j_exact < 0.0)
+    shots = route_shooting.shoot(given.medium, given.start, given.end, first.alpha[near], first.time[near], method="exact")
     return _distinct(shots.time[shots.converged & (shots.j_exact < 0.0)])
 
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from towage.models import cradle, ship, spring_line
-from towage.models.ops import FLOATS
 from towage.models.system import Simulation, System
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "couple_with_fmpy.py"
@@ -34,14 +33,13 @@ def monolithic(times: np.ndarray) -> np.ndarray:
         two_way=True,
     )  # fmt: skip
     run = Simulation(system)
-    assert cradle.virtual_mass(1.0, system.cradle) == 7.9e4 and FLOATS.abs(-1.0) == 1.0
     return np.array([run.advance(float(t))[-2] for t in times])
 
 
 def test_example_agrees_with_the_monolithic_solution(fmus: Path, tmp_path: Path) -> None:
-    """Without the work tree, with steps of an eighth of a second and their half: order 4."""
+    """Without the work tree, with steps of a quarter of a second and their half: order 4."""
     script = (
-        f"import json, pathlib, runpy\nfor step in (0.125, 0.0625):\n    names = runpy.run_path({str(EXAMPLE)!r})\n"
+        f"import json, pathlib, runpy\nfor step in (0.25, 0.125):\n    names = runpy.run_path({str(EXAMPLE)!r})\n"
         f"    names['main'].__globals__['STEP'] = step\n    print(json.dumps(names['main'](pathlib.Path({str(fmus)!r}))))"
     )
     done = subprocess.run(
@@ -52,11 +50,12 @@ def test_example_agrees_with_the_monolithic_solution(fmus: Path, tmp_path: Path)
     lines = done.stdout.splitlines()
     assert lines[0].startswith("cradle: largest heave") and "towage" not in EXAMPLE.read_text()
     errors = []
-    for step, line in zip((0.125, 0.0625), lines[1::2], strict=True):
+    for step, line in zip((0.25, 0.125), lines[1::2], strict=True):
         heaves = np.array(json.loads(line))
         reference = monolithic(step * np.arange(1, len(heaves) + 1))
         errors.append(float(np.max(np.abs(heaves - reference))))
     assert np.max(np.abs(reference)) > 0.5
-    # a fiftieth of a radian of the interface loop per step: (H w)^4 / 720 of the motion, and then some
-    assert errors[0] < 2e-5
+    # the loop turns at sqrt(K/M) = 0.79 rad/s, 0.1 rad per step: (0.1)^4 of a motion of 1 m, over a hundred steps of memory
+    # and divided by 4! 4! of the cubic: some 2e-6
+    assert errors[1] < 5e-6
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.5)

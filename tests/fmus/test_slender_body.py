@@ -69,7 +69,7 @@ for change in values["bad"]:
     except Exception as error:
         refused.append(type(error).__name__)
 step = "none"
-if "tow_speed" in reference:
+if "tow_speed_d1" in reference:
     it.setReal([reference["tow_speed"], reference["tow_speed_d1"]], [-1.0, 0.0])
     try:
         it.doStep(1.0, 0.1)

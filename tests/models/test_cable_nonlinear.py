@@ -95,16 +95,18 @@ def test_small_heave_agrees_with_the_linear_model() -> None:
 
 def test_small_lift_agrees_with_the_linear_model_in_quadrant_two() -> None:
     tow = float_tow()
-    cable, linear = nonlinear_cable(tow, 8, quadratic_drag=False), tow_elastic(tow, 8)
+    cable, linear = nonlinear_cable(tow, 5, quadratic_drag=False), tow_elastic(tow, 5)
 
     def lift(t: float) -> np.ndarray:
         return np.array([0.0, 0.0, 0.0, 5.0 * ramp(t)[0] * math.sin(OMEGA * t)])
 
     state, rows = cable.start(), []
-    for k in range(900):
+    for k in range(700):
         state = cable.step(k * 0.05, 0.05, state, lift)
-        if k >= 700:
-            rows.append([0.05 * (k + 1), *cable.towpoint_force(state, lift(0.05 * (k + 1)), np.zeros(2)), state[1, 1, 0]])
+        if k >= 500:
+            rows.append(
+                [0.05 * (k + 1), *cable.towpoint_force(state, lift(0.05 * (k + 1)), np.zeros(2)), state[1, 1, 0]]
+            )
     found = dict(zip(("time", "fx", "fy", "vy"), np.array(rows).T))
     expected = linear.response(OMEGA, np.array([0.0, 0.0, 0.0, 5.0j]))
     for name, row in (("fx", 0), ("fy", 1), ("vy", 3)):

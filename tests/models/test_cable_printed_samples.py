@@ -10,6 +10,7 @@ The scheme lives here only, because it is wrong in two ways that the table prove
 from __future__ import annotations
 
 import cmath
+import itertools
 import json
 import math
 from importlib.resources import files
@@ -50,7 +51,7 @@ def frozen(tow: Tow, omega: float, points: int = POINTS) -> tuple[list[Any], Any
     for _ in range(points - 1):
         states.append(merson(rates, states[-1], step))
     matrices = []
-    for here, there in zip(states[:-1], states[1:]):
+    for here, there in itertools.pairwise(states):
         node = here if tow.quadrant == 1 else there
         a = tow.sign * coefficients(tow, omega, np.array(node[0]), np.array(math.log(node[1])))
         slope = tow.sign * (there[0] - here[0]) / step
@@ -66,7 +67,9 @@ def sample_tow(sample: Any, quadrant: int, drag: float, weight: float, mass: flo
     phi = sample["phi0_1"]
     cable = Cable(POINTS - 1.0, mass, weight, thickness, 2.0 * drag / thickness, eames(0.05), 1.0, True)
     pull = (math.cos(phi), math.sin(phi)) if quadrant == 1 else (-math.cos(phi), -math.sin(phi))
-    body = Body(0.0, sample.get("m_plus_ms", 0.0), sample.get("m_plus_mh", 0.0), max(pull[1], 0.0), max(-pull[1], 0.0), pull[0])
+    body = Body(
+        0.0, sample.get("m_plus_ms", 0.0), sample.get("m_plus_mh", 0.0), max(pull[1], 0.0), max(-pull[1], 0.0), pull[0]
+    )
     return Tow(cable, body, 1.0, 1.0, quadrant)
 
 

@@ -233,7 +233,9 @@ def test_loading_gradients_are_those_of_the_load(sign: float) -> None:
     angles = [np.ones_like(theta), np.cos(theta), np.cos(2 * theta), np.sin(theta), np.sin(2 * theta)]
     # the source's form with sigma written out
     assert normal == pytest.approx(sum(c * s * f for c, s, f in zip(a, (1, sign, 1, 1, sign), angles)), abs=1e-15)
-    assert tangential == pytest.approx(sum(c * s * f for c, s, f in zip(b, (sign, 1, sign, sign, 1), angles)), abs=1e-15)
+    assert tangential == pytest.approx(
+        sum(c * s * f for c, s, f in zip(b, (sign, 1, sign, sign, 1), angles)), abs=1e-15
+    )
     step = 1e-6
     for value, slope, index in ((normal, normal_slope, 0), (tangential, tangential_slope, 2)):
         ahead = loading.gradients(np.sin(theta + step), np.cos(theta + step))[index]

@@ -132,8 +132,8 @@ def test_spread_components_have_frequencies_of_their_own_and_the_right_variance(
     sea = p.sea
     assert len(set(sea.x)) == len(sea.x)
     amplitudes = hr.heave_amplitudes(6.096, waves.peak_frequency(6.096), 7.5, math.pi, HULL, sea)
-    # 24 directions give 3 to 4 digits, about a dozen frequencies each
-    assert 0.5 * sum(a * a for a in amplitudes) == pytest.approx(0.80002, rel=5e-3)
+    # about a dozen frequencies a direction integrate the response to a percent
+    assert 0.5 * sum(a * a for a in amplitudes) == pytest.approx(0.80002, rel=1e-2)
 
 
 def test_response_to_the_line_is_that_of_the_ship() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from towage.fmus.slender_body import UNIT
 from towage.models import slender_body, slender_critical
@@ -15,7 +16,7 @@ from towage.models.ops import FLOATS
 from towage.models.slender_coefficients import Body
 from towage.models.slender_modes import Matrices, matrices, roots, spectrum
 from towage.models.slender_plant import Parameters, plant
-from towage.models.slender_step import FAST, fast_mode_damping
+from towage.models.slender_step import FAST, exponential, fast_mode_damping
 
 Array = NDArray[np.float64]
 BASE = Parameters(**{v.name: float(v.start or 0.0) for v in UNIT.parameters})
@@ -266,3 +267,42 @@ def test_no_speed_is_a_free_body(speed: float) -> None:
     after = advance(BASE, moving, 10.0, speed, 0.0)
     # 0.5 m/tau for 10 s; M couples translation to the other modes by the end masses, which cancels here to 1 %
     assert observe(BASE, after, speed, 0.0).tip == pytest.approx(0.5 * 10.0 / plant(BASE).tau, rel=0.02)
+
+
+@pytest.mark.parametrize("nu", [1e-4, 0.1, 10.0])
+def test_step_is_exact_with_strong_structural_damping(nu: float) -> None:
+    """Kelvin-Voigt numbers up to 10, where |s| reaches 1e9/tau: one step against fifty."""
+    made = plant(BASE)
+    p = replace(BASE, structural_damping=nu * math.sqrt(BASE.bending_stiffness * 2.0 * made.fluid) * BASE.length**2)
+    assert plant(p).body.damping == pytest.approx(nu, rel=1e-12)
+    start, _ = slender_body.initial(replace(p, yaw_start=0.01), FLOATS)
+    once, many = advance(p, start, 5.0, SPEED, 0.1), start
+    for _ in range(50):
+        many = advance(p, many, 0.1, SPEED, 0.1)
+    # squaring a matrix exponential of norm 1e7 leaves 1e-9
+    assert once == pytest.approx(many, abs=1e-7)
+    assert all(map(math.isfinite, observe(p, once, SPEED, 0.1)))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"tail_cut": 1e-6}, {"rope_length": 1e-5}, {"rope_length": 1e4}, {"end_length": 0.1251}, {"end_length": 5.0},
+     {"theory": 1.0}, {"theory": 2.0, "nose_factor": 0.62, "tail_factor": 0.43}, {"shape_functions": 4.0},
+     {"shape_functions": 24.0}],
+)  # fmt: skip
+def test_extreme_bodies_step_and_report(change: dict[str, float]) -> None:
+    p = replace(BASE, **change)
+    assert slender_body.problem(p) is None
+    x, _ = slender_body.initial(replace(p, yaw_start=0.01), FLOATS)
+    for _ in range(20):
+        x = advance(p, x, 0.1, SPEED, 0.05)
+    assert all(map(math.isfinite, observe(p, x, SPEED, 0.05)))
+
+
+@pytest.mark.parametrize("scale", [0.0, 1e-8, 1.0, 5.0, 300.0])
+def test_matrix_exponential_against_scipy(scale: float) -> None:
+    """Both scale and square; 1e-12 of the norm for skew matrices, whose exponentials do not grow."""
+    a = scale * np.random.default_rng(1).standard_normal((12, 12))
+    a = a - a.T
+    assert np.max(np.abs(exponential(a) - expm(a))) < 1e-12 * max(1.0, scale)
+    assert exponential(np.array([[scale / 100.0]]))[0, 0] == pytest.approx(math.exp(scale / 100.0), rel=1e-14)

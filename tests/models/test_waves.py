@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
 from towage.models import waves
-
 
 
 def test_consistency_with_closed_moments() -> None:
@@ -48,7 +48,7 @@ def test_moments_of_the_gauss_rule_are_exact(n: int, gamma: float) -> None:
         exact = waves.integrate(lambda x, k=k: x**k * waves.shape(x, gamma), *waves.BAND)
         assert math.fsum(w * x**k for x, w in rule) == pytest.approx(exact, rel=1e-12)
     assert all(w >= 0.0 for _, w in rule)  # the outermost weights of 200 nodes underflow
-    assert all(a[0] < b[0] for a, b in zip(rule, rule[1:]))
+    assert all(a[0] < b[0] for a, b in pairwise(rule))
     assert waves.BAND[0] < rule[0][0] and rule[-1][0] < waves.BAND[1]
 
 

@@ -99,7 +99,7 @@ def _draw(towed: Towed, arguments: argparse.Namespace, out: Path) -> list[Path]:
         f"{speeds[-1] * towed.speed_scale:.3g} m/s", speeds, argand(towed.body, speeds), towed.speed_scale,
     )  # fmt: skip
     if arguments.map:
-        values = default_values(arguments.map, arguments.points)
+        values = default_values(towed.body, arguments.map, arguments.points)
         with progress(1.0, f"map over {arguments.map}", arguments.progress) as bar:
             rows = stability_map(towed.body, arguments.map, values, arguments.u_max, bar.update)
         files += [out / f"{prefix}{arguments.map}.{suffix}" for suffix in ("svg", "csv")]

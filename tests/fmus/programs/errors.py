@@ -129,7 +129,7 @@ def check_docking_without_submersible(fmu):
 @only("spring_line", "cradle_on_line")
 def check_line_without_stiffness(fmu):
     it = fmu.instantiate()
-    refused(it, it.initialize(STARTS[fmu.name] | {"stiffness": 0.0}), FATAL, "stiffness", "axial_stiffness")
+    refused(it, it.initialize(STARTS[fmu.name] | {"stiffness": 0.0, "length": 0.0}), FATAL, "stiffness", "axial_stiffness")
     it.free()
     it = fmu.instantiate()
     assert it.initialize(STARTS[fmu.name] | {"stiffness": 0.0, "axial_stiffness": 3e5, "length": 30.0}) == OK
@@ -208,9 +208,8 @@ def check_numbers_that_go_bad_are_discarded(fmu):
     assert it.set(good) == OK
     here = it.observe()
     assert it.set({f"{entry}_d3": 1e308}) == OK
-    for _ in range(2):
-        refused(it, it.step(0.5, 100.0), DISCARD, "t = 0.5", "heave" if fmu.name != "ship" else "velocity_rate")
-        assert it.messages[-1][1] == "logStatusDiscard"
+    refused(it, it.step(0.5, 100.0), DISCARD, "t = 0.5", "heave" if fmu.name != "ship" else "velocity_rate")
+    assert it.messages[-1][1] == "logStatusDiscard"
     assert it.set(good) == OK
     assert it.observe() == here
     twin = fmu.ready(start)

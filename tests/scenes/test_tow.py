@@ -1,0 +1,155 @@
+"""The towing scenes: coupled runs against the frequency domain, the checks before a run, the response command."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from towage import towing
+from towage.cli import main
+from towage.master import Master
+from towage.models import cable_tow_system
+from towage.models.cable_perturbation import Excitation
+from towage.models.cable_response import respond
+from towage.models.cable_step import exact_step
+from towage.scene import Scene
+
+SCENES = ("tow_600ft", "tow_report_sample", "float_quadrant2", "tow_5km", "tow_heavy_weather")
+LINEAR = SCENES[:-1]
+
+
+def amplitude(time: np.ndarray, values: np.ndarray, omega: float, periods: int) -> complex:
+    """Of Re(q exp(-i omega t)), by least squares over the last periods."""
+    keep = time > time[-1] - periods * 2.0 * math.pi / omega
+    t = time[keep]
+    basis = np.column_stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t)])
+    c, s, _ = np.linalg.lstsq(basis, values[keep], rcond=None)[0]
+    return complex(c, s)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_resolve_to_a_tow(name: str) -> None:
+    found = towing.scene_tows(Scene.load(name))
+    assert len(found) == 1
+    assert found[0].tow.quadrant == (2 if name == "float_quadrant2" else 1)
+
+
+LONG = [pytest.param(n, marks=pytest.mark.slow) if n in ("tow_600ft", "tow_5km") else n for n in LINEAR]
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_every_shipped_step_operator_contracts(name: str) -> None:
+    tow = towing.scene_tows(Scene.load(name))[0]
+    keys = cable_tow_system.Parameters.__dataclass_fields__
+    model = cable_tow_system.prepare(cable_tow_system.Parameters(**{k: tow.parameters[k] for k in keys})).model
+    for h in (0.001, 0.01, 0.1, 0.3, 1.0):
+        assert exact_step(model.a, model.b, h).spectral_radius < 1.0
+
+
+@pytest.mark.slow
+def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
+    scene = Scene.load("tow_600ft")
+    result = Master(scene, "half a foot of heave").run()
+    assert result.status == "done" and result.verdict.word == "valid"
+    tow = towing.scene_tows(scene)[0]
+    omega = 2.0 * math.pi * 0.3
+    columns = result.columns
+    # the ship's own motion, line reaction included, drives the tow
+    heave = amplitude(result.time, columns["ship.heave"], omega, 6)
+    r = respond(tow.tow, omega, Excitation(heave=heave))
+    body = amplitude(result.time, columns["tow.body_heave"], omega, 6)
+    top = amplitude(result.time, columns["tow.tension_top"], omega, 6)
+    # tolerance of the scene's model: 2 %
+    assert abs(body / r.displacement[1][0, 0] - 1.0) < 0.02
+    assert abs(top / r.tension[-1, -1] - 1.0) < 0.02
+
+
+def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
+    scene = Scene.load("float_quadrant2")
+    result = Master(scene).run()
+    assert result.status == "done" and result.verdict.word == "valid"
+    tow = towing.scene_tows(scene)[0]
+    omega = 2.0 * math.pi * 0.15
+    columns = result.columns
+    drag, lift = (amplitude(result.time, columns[f"waves.{n}_change"], omega, 4) for n in ("drag", "lift"))
+    r = respond(tow.tow, omega, Excitation(drag=drag, lift=lift))
+    heave = amplitude(result.time, columns["tow.body_heave"], omega, 4)
+    # tolerance of the scene's model: 2 %
+    assert abs(heave / r.displacement[1][0, 0] - 1.0) < 0.02
+    # the file's case: D1 = 50 + 20i, L1 = -80 + 120i lbf
+    pound = 4.4482216152605
+    assert abs(drag / (pound * (50 + 20j)) - 1.0) < 1e-3 and abs(lift / (pound * (-80 + 120j)) - 1.0) < 1e-3
+
+
+@pytest.mark.slow
+def test_verdict_turns_where_the_theory_is_left() -> None:
+    result = Master(Scene.load("tow_600ft"), "3 ft of heave").run()
+    assert result.verdict.word == "invalid"
+    assert "margin_small_perturbation" in result.verdict.reason
+
+
+@pytest.mark.slow
+def test_checks_choose_the_fidelity() -> None:
+    resolved = Master(Scene.load("tow_600ft"), "half a foot of heave").resolved
+    check = towing.before_run(resolved)[0]
+    assert check.level == "ok" and "linear reduced is enough" in check.message
+
+
+@pytest.mark.slow
+def test_checks_send_a_rough_scene_to_the_nonlinear_unit() -> None:
+    heavy = Master(Scene.load("tow_heavy_weather"), "3 m of heave").resolved
+    check = towing.before_run(heavy)[0]
+    assert check.level == "ok" and "nonlinear is enough, the scene has nonlinear" in check.message
+    rough = Master(Scene.load("tow_600ft"), "3 ft of heave").resolved
+    check = towing.before_run(rough)[0]
+    assert check.level == "warning" and "nonlinear is enough, the scene has linear" in check.message
+
+
+def test_error_of_linearity_as_measured() -> None:
+    tow = towing.scene_tows(Scene.load("tow_heavy_weather"))[0].tow
+    omega = 0.4 * math.pi
+    # 9.6 % of the top tension's waveform at 1 m with 20 segments; 6 here
+    assert towing.linearity_error(tow, 1.0 * omega, omega, True) == pytest.approx(0.096, rel=0.2)
+
+
+def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["response", "tow_600ft", "--points", "6", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "Quadrant I, 182.9 m" in text and "one degree of freedom on a spring EA/L" in text
+    names = ("tow_response.svg", "tow_cable.svg", "tow_response.csv")
+    first = [(tmp_path / n).read_bytes() for n in names]
+    assert main([*arguments, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert len(document["tows"][0]["gains"]) == 6
+    # the same files to the byte
+    assert [(tmp_path / n).read_bytes() for n in names] == first
+
+
+def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    out = ["--out", str(tmp_path)]
+    assert main(["response", "sea_cliff", *out]) == 2
+    assert "no tow" in capsys.readouterr().err
+    assert main(["response", "tow_600ft", "--set", "tow.body_lift=90000", *out]) == 2
+    assert "buoyant" in capsys.readouterr().err
+    assert main(["response", "tow_600ft", "--from", "2", "--to", "1", *out]) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["tow_report_sample", "tow_5km"])
+def test_long_scenes_run(name: str) -> None:
+    scene = Scene.load(name)
+    result = Master(scene, scene.cases[0].name if scene.cases else None).run()
+    assert result.status == "done" and result.verdict.word == "valid"
+
+
+@pytest.mark.slow
+def test_heavy_weather_runs_near_slack() -> None:
+    result = Master(Scene.load("tow_heavy_weather"), "6 m of heave").run()
+    assert result.status == "done"
+    # the least tension of an independent program with 20 segments: 275 N of 6480
+    assert 100.0 < result.columns["tow.tension_least"].min() < 600.0
