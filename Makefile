@@ -14,8 +14,8 @@ test: $(VENV)/installed-test dist/built    ## lint, types and all tests but the 
 test-all: $(VENV)/installed-test dist/built ## every test
 	$(BIN)/pytest -q -m "slow or not slow"
 
-bench: $(VENV)/installed-test              ## speed against error; the tables of docs/benchmarks.md
-	$(BIN)/python benchmarks/coupling.py
+bench: $(VENV)/installed-test              ## speed against error; the tables quoted in docs/
+	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
 
 docs: $(VENV)/installed                    ## the pages made from the units' declarations
 	$(BIN)/python docs/make_units.py

@@ -1,4 +1,6 @@
-"""Error against time of the tow cable's models on one case, and cost against segments: ``OPENBLAS_NUM_THREADS=1 python benchmarks/cable.py``.
+"""Error against time of the tow cable's models on one case, and cost against segments.
+
+    OPENBLAS_NUM_THREADS=1 python benchmarks/cable.py
 
 Case: ``moordyn_tow.py`` with 0.2 m of heave. Error: complex amplitude of the force on the towpoint at the driving
 frequency, largest component, against the elastic frequency response. Time: milliseconds of processor time a simulated

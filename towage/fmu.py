@@ -66,7 +66,7 @@ class StepRefused(Exception):
 
 class Unit:
     """An instance in a scene: ``connected`` inputs, outputs that are ``sources`` of connections, and all ``outputs``
-    that are read after every step, in the order of ``values``."""
+    that are read after every step, in the order of ``values``. ``cubic``: inputs are given their derivatives too."""
 
     def __init__(
         self,
@@ -76,6 +76,7 @@ class Unit:
         connected: Sequence[str],
         sources: Sequence[str],
         outputs: Sequence[str],
+        cubic: bool = True,
     ) -> None:
         self.name = name
         self.description = description
@@ -88,8 +89,8 @@ class Unit:
         self.inputs: dict[str, Input] = {}
         references: list[int] = []
         for i in connected:
-            smooth = all(f"{i}_d{k}" in self.variables for k in (1, 2, 3))
-            slope = not smooth and description.can_interpolate_inputs
+            smooth = cubic and all(f"{i}_d{k}" in self.variables for k in (1, 2, 3))
+            slope = cubic and not smooth and description.can_interpolate_inputs
             self.inputs[i] = Input(i, len(references), smooth, slope, self.feeds[i])
             names = [i] + [f"{i}_d{k}" for k in (1, 2, 3)] if smooth else [i]
             references += [self.variables[n].value_reference for n in names]

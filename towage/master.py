@@ -117,8 +117,8 @@ class Master:
 
     def _system(self, resolved: ResolvedScene) -> System:
         """The units, initialised. Branches are frozen over a step where the master will look after events."""
-        freeze = self.scene.coupling.events and ORDERS.get(self.scene.coupling.scheme, 2) > 1
-        system = System(resolved, cache() / "unpacked", freeze)
+        held = ORDERS.get(self.scene.coupling.scheme) == 1
+        system = System(resolved, cache() / "unpacked", self.scene.coupling.events and not held, held)
         try:
             system.start(0.0, self.scene.stop_time)
         except BaseException:

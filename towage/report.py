@@ -56,6 +56,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  failure         {result.message or 'no reason was given'}")
     if result.verdict.reason or result.verdict.number is not None:
         lines.append(f"  verdict         {_reason(result)}")
+    lines += [f"  {check.name:15} {check.message}" for check in result.checks if check.name == "simpler model"]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
     error = result.worst_coupling_error()

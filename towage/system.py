@@ -44,9 +44,10 @@ class Signal:
 
 class System:
     """The running units. FMUs are unpacked below ``extracted``. ``freeze``: ask units to hold their branches over a step,
-    provided that all can go back to a step's start, which the search for events needs."""
+    provided that all can go back to a step's start, which the search for events needs. ``held``: inputs are held over a
+    step, so that neither rates nor events are read."""
 
-    def __init__(self, scene: ResolvedScene, extracted: Path, freeze: bool = False) -> None:
+    def __init__(self, scene: ResolvedScene, extracted: Path, freeze: bool = False, held: bool = False) -> None:
         self.scene = scene
         self._freeze = freeze
         self.units: list[Unit] = []
@@ -54,7 +55,7 @@ class System:
         self.saved_at = math.nan
         try:
             for resolved in scene.units.values():
-                self.units.append(_instantiate(resolved.name, scene, extracted))
+                self.units.append(_instantiate(resolved.name, scene, extracted, held))
         except BaseException:
             self.close()
             raise
@@ -225,18 +226,16 @@ class System:
         return min((t for t in ahead if t > time + 1e-12 * (1.0 + abs(time))), default=float("inf"))
 
 
-def _instantiate(name: str, scene: ResolvedScene, extracted: Path) -> Unit:
+def _instantiate(name: str, scene: ResolvedScene, extracted: Path, held: bool) -> Unit:
     resolved = scene.units[name]
     directory = extracted / hashlib.sha256(resolved.path.read_bytes()).hexdigest()[:32]
     extract(resolved.path, directory)
     connected = [c.target for c in scene.connections if c.target_unit == name]
     sources = [c.source for c in scene.connections if c.source_unit == name]
-    wanted = dict.fromkeys(sources + [v for u, v in scene.record if u == name])
+    names = sources + [v for u, v in scene.record if u == name]
+    if not held:
+        events = [v.name for v in resolved.description.variables if v.name.startswith("event_")]
+        names += [f"{n}_rate" for n in sources] + events + ["next_event_time"]
     known = {v.name for v in resolved.description.variables if v.type == "Real"}
-    for n in list(wanted) + [n for n in known if n.startswith("event_") and not n.endswith("_rate")]:
-        wanted.setdefault(n)
-        if f"{n}_rate" in known:
-            wanted.setdefault(f"{n}_rate")
-    if "next_event_time" in known:
-        wanted.setdefault("next_event_time")
-    return Unit(name, resolved.description, directory, connected, sources, [n for n in wanted if n in known])
+    wanted = [n for n in dict.fromkeys(names) if n in known]
+    return Unit(name, resolved.description, directory, connected, sources, wanted, cubic=not held)
