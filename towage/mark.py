@@ -48,10 +48,10 @@ class Mark:
         class Watched(fmu.Unit):
             """A unit that is noted before each call."""
 
-            def __init__(self, name: str, *rest: Any) -> None:
+            def __init__(self, name: str, *rest: Any, **options: Any) -> None:
                 label = self._label = name.encode()
                 note(label, b"instantiation", math.nan)
-                super().__init__(name, *rest)
+                super().__init__(name, *rest, **options)
                 advance = self.advance
 
                 def noted(time: float, size: float) -> list[float]:
