@@ -19,6 +19,7 @@ Source of the method: collocation at Gauss points as in de Boor and Swartz, SIAM
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -61,9 +62,22 @@ def mesh(tow: Tow, omega: float) -> Steady:
     return steady(tow, np.concatenate([*fine, edges[-1:]]))
 
 
-def respond(tow: Tow, omega: float, excitation: Excitation, state: Steady | None = None) -> Response:
+def respond(
+    tow: Tow,
+    omega: float,
+    excitation: Excitation,
+    state: Steady | None = None,
+    method: Literal["collocation", "shooting"] = "collocation",
+) -> Response:
     """Response at ``omega``, rad/s, > 0, on the mesh of ``state`` (default: one that resolves omega). Raises
-    `CableError` for a frequency that is not positive and finite, or equations without a unique solution."""
+    `CableError` for a frequency that is not positive and finite, or equations without a unique solution. ``method``
+    "shooting" is the source's and warns `LostIndependence` where it dies."""
+    if method == "shooting":
+        from .cable_shooting import respond_by_shooting  # it needs this module
+
+        return respond_by_shooting(tow, omega, excitation, state)[0]
+    if method != "collocation":
+        raise CableError(f"method is {method!r}: expected 'collocation' or 'shooting'")
     return responses(tow, omega, [excitation], state)[0]
 
 

@@ -9,6 +9,8 @@ towpoint the answer carries a relative error of about 1e-16 k. `respond_by_shoot
 `LOST`. Measured against collocation: 600 ft at 0.8 Hz 3e-10, 1200 ft 3e-5, 600 ft at 5 Hz 0.35, 5 km from 0.1 Hz no
 digit. The source's own program stops far earlier, at its frozen coefficients (first order, 0.1 to 5 %).
 
+`respond` of ``cable_response.py`` offers it as method "shooting".
+
 Source: small-perturbation report on towed cables, Equations [45]-[50], programs OMWAY and OMFLO; coefficients here are
 exact, the integrator is of order 8.
 """
@@ -24,7 +26,7 @@ from scipy.integrate import solve_ivp
 from .cable_case import CableError, Tow
 from .cable_perturbation import ComplexArray, Excitation, Response, body_rows, coefficients, towpoint_values
 from .cable_response import check_frequency, mesh
-from .cable_steady import Array, slopes
+from .cable_steady import Array, Steady, slopes
 
 LOST = 1e-6
 """Estimated relative error from which the modes count as dependent."""
@@ -34,10 +36,13 @@ class LostIndependence(UserWarning):
     """The shooting modes have become parallel; the response is not to be trusted."""
 
 
-def respond_by_shooting(tow: Tow, omega: float, excitation: Excitation) -> tuple[Response, float]:
-    """(response on the default mesh, condition number of the modes at the towpoint). Warns `LostIndependence`."""
+def respond_by_shooting(
+    tow: Tow, omega: float, excitation: Excitation, state: Steady | None = None
+) -> tuple[Response, float]:
+    """(response at the nodes of ``state``, by default those of `mesh`; condition number of the modes at the towpoint).
+    Warns `LostIndependence`."""
     check_frequency(omega)
-    state = mesh(tow, omega)
+    state = state or mesh(tow, omega)
     velocity = omega * tow.cable.length
     scale = np.array([1.0, tow.end_tension, velocity, velocity])
     rows, side = body_rows(tow, omega, excitation)

@@ -299,8 +299,8 @@ def test_child_ends_with_its_parent(hostile: Path, tmp_path: Path) -> None:
         [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, env=ENVIRONMENT
     ) as parent:
         assert parent.stdout is not None
-        while parent.stdout.readline() != b"coupled run\n":
-            pass
+        while (line := parent.stdout.readline()) != b"coupled run\n":
+            assert line, "the parent ended before its run began"
         time.sleep(0.3)  # the hang is 10 steps, some ms, away; no report will find the pipe closed
         offspring = children(parent.pid)
         assert len(offspring) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import msgspec
@@ -84,6 +85,8 @@ class Master:
                     result.checks.append(judge_slender.compare(simpler, result.time, columns, time, other))
                 except RunError as error:
                     result.checks.append(Check("simpler model", "warning", None, None, f"failed: {error}"))
+            if towing := self._towing():
+                result.checks += towing.after_run(self.resolved)
             result.margins = judge.margins(self.resolved, result.time, {n: columns[n] for n in recorded})
             result.verdict = judge.verdict(result.comparison, result.margins)
             say(1.0, "done")
@@ -93,12 +96,10 @@ class Master:
 
     def check(self) -> list[Check]:
         """The checks before a run, without running."""
-        from . import towing  # the towing models are heavy to import
-
         system = self._system(self.resolved)
         try:
             found = self._settings(system, refuse=False)[1] + sdof.before_run(system, self.scene.checks.sdof)
-            return found + towing.before_run(self.resolved)
+            return found + (towing.before_run(self.resolved) if (towing := self._towing()) else [])
         finally:
             system.close()
 
@@ -114,6 +115,14 @@ class Master:
         return result
 
     # ---- parts ------------------------------------------------------------------------------------------------------
+
+    def _towing(self) -> ModuleType | None:
+        """The checks of tows, whose models are heavy to import; None for a scene without a unit `tow_...`."""
+        if not any(u.description.model_name.startswith("tow_") for u in self.resolved.units.values()):
+            return None
+        from . import towing
+
+        return towing
 
     def _system(self, resolved: ResolvedScene) -> System:
         """The units, initialised. Branches are frozen over a step where the master will look after events."""

@@ -28,6 +28,8 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
+_JUDGED = ("simpler model", "SDOF on a spring EA/L")
+"""Checks whose message begins with a word on a simpler model: the text summary prints them."""
 _GRAVITY = ("invalid", "marginal", "not judged", "valid")
 _ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
@@ -56,7 +58,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  failure         {result.message or 'no reason was given'}")
     if result.verdict.reason or result.verdict.number is not None:
         lines.append(f"  verdict         {_reason(result)}")
-    lines += [f"  {check.name:15} {check.message}" for check in result.checks if check.name == "simpler model"]
+    lines += [f"  {check.name:15} {check.message}" for check in result.checks if check.name in _JUDGED]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
     error = result.worst_coupling_error()

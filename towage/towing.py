@@ -3,7 +3,8 @@
 Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
 the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
 tolerance: errors of segments and reduction against the frequency domain, error of linearity by a short run of the
-nonlinear cable, as the largest difference of the top tension's waveform over its linear amplitude.
+nonlinear cable, as the largest difference of the top tension's waveform over its linear amplitude. `after_run` judges
+the simplest model of all, one degree of freedom on a spring.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ UNITS = ("tow_system", "tow_cable", "tow_cable_nonlinear")
 DEFAULT_TOLERANCE = 0.05
 PROBE_SEGMENTS, PROBE_STEPS, PROBE_PERIODS = 6, 40, 7
 """The short nonlinear run: both models have these segments, so only linearity differs."""
+SPRING = "SDOF on a spring EA/L"
 STIFF = 500.0
 """EA over the tension at the body where EA is not known."""
 
@@ -150,14 +152,48 @@ def linearity_error(tow: Tow, velocity: float, omega: float, quadratic_drag: boo
     return float(np.abs(np.array(truth[-PROBE_STEPS:]) - wave).max() / abs(gain))
 
 
+def tolerance_of(scene: Scene) -> float:
+    """The relative error that a scene allows."""
+    return scene.checks.sdof.tolerance if scene.checks.sdof else DEFAULT_TOLERANCE
+
+
 def before_run(resolved: Any) -> list[Check]:
     """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones."""
     found = []
     for tow in tows(resolved):
         if tow.drive and tow.unit != "tow_cable":
-            wanted = resolved.scene.checks.sdof.tolerance if resolved.scene.checks.sdof else DEFAULT_TOLERANCE
-            found.append(_fidelity(tow, tow.drive, wanted))
+            found.append(_fidelity(tow, tow.drive, tolerance_of(resolved.scene)))
     return found
+
+
+def after_run(resolved: Any) -> list[Check]:
+    """Whether one degree of freedom on a spring EA/L stands for every tow of a scene. The word judges that model, not
+    the run, whose verdict it leaves alone."""
+    tolerance = tolerance_of(resolved.scene)
+    try:
+        found = [spring_check(tow, tolerance) for tow in tows(resolved)]
+    except CableError as error:
+        # a run that is done keeps its result
+        found = [Check(SPRING, "warning", None, tolerance, f"not judged: {error}")]
+    return [check for check in found if check]
+
+
+def spring_check(tow: SceneTow, tolerance: float) -> Check | None:
+    """Body on a spring EA/L against body on the cable, at the frequency of the ship's heave; None where there is no such
+    spring or no ship. Relative error of the body's heave: valid within ``tolerance``, marginal within twice that. Raises
+    `CableError` where the response is refused."""
+    if tow.drive is None or spring_gain(tow.tow, tow.drive[1]) is None:
+        return None
+    gain = gains(tow.tow, [tow.drive[1]])[0]
+    assert gain.spring is not None
+    right = abs(gain.body_heave)
+    off = abs(gain.spring / right - 1.0) if right else math.inf
+    word = "valid" if off <= tolerance else "marginal" if off <= 2.0 * tolerance else "invalid"
+    return Check(
+        SPRING, "ok" if word == "valid" else "info", off, tolerance,
+        f"{word}: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} heaves {gain.spring:.4g} m per metre "
+        f"of the towpoint, on the cable {right:.4g} m",
+    )  # fmt: skip
 
 
 def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Check:

@@ -23,7 +23,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 path, work, values = sys.argv[1], sys.argv[2], json.loads(sys.argv[3])
-assert not any("towage" in name or name in ("models", "fmus") for name in sys.modules)
+assert not any(name.split(".")[0] in ("towage", "models", "fmus") for name in sys.modules)
 problems = validate_fmu(path)
 description = read_model_description(path)
 reference = {v.name: v.valueReference for v in description.modelVariables}

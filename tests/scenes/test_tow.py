@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import re
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +16,16 @@ import pytest
 from towage import towing
 from towage.cli import main
 from towage.master import Master
-from towage.models import cable_tow_system
+from towage.models import cable_tow_cable, cable_tow_system
 from towage.models.cable_perturbation import Excitation
 from towage.models.cable_response import respond
 from towage.models.cable_step import exact_step
+from towage.report import text_summary
+from towage.result import Result
 from towage.scene import Scene
 
-SCENES = ("tow_600ft", "tow_report_sample", "float_quadrant2", "tow_5km", "tow_heavy_weather")
-LINEAR = SCENES[:-1]
+LINEAR = ("tow_600ft", "tow_report_sample", "float_quadrant2", "tow_5km")
+SCENES = (*LINEAR, "tow_two_units", "tow_heavy_weather")
 
 
 def amplitude(time: np.ndarray, values: np.ndarray, omega: float, periods: int) -> complex:
@@ -38,6 +44,7 @@ def test_scenes_resolve_to_a_tow(name: str) -> None:
     assert found[0].tow.quadrant == (2 if name == "float_quadrant2" else 1)
 
 
+STEPS = (0.001, 0.01, 0.1, 0.3, 1.0)
 LONG = [pytest.param(n, marks=pytest.mark.slow) if n in ("tow_600ft", "tow_5km") else n for n in LINEAR]
 
 
@@ -46,7 +53,16 @@ def test_every_shipped_step_operator_contracts(name: str) -> None:
     tow = towing.scene_tows(Scene.load(name))[0]
     keys = cable_tow_system.Parameters.__dataclass_fields__
     model = cable_tow_system.prepare(cable_tow_system.Parameters(**{k: tow.parameters[k] for k in keys})).model
-    for h in (0.001, 0.01, 0.1, 0.3, 1.0):
+    for h in STEPS:
+        assert exact_step(model.a, model.b, h).spectral_radius < 1.0
+
+
+@pytest.mark.slow
+def test_step_operator_of_the_cable_alone_contracts() -> None:
+    tow = towing.scene_tows(Scene.load("tow_two_units"))[0]
+    keys = cable_tow_cable.Parameters.__dataclass_fields__
+    model = cable_tow_cable.prepare(cable_tow_cable.Parameters(**{k: tow.parameters[k] for k in keys})).model
+    for h in STEPS:
         assert exact_step(model.a, model.b, h).spectral_radius < 1.0
 
 
@@ -66,6 +82,62 @@ def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
     # tolerance of the scene's model: 2 %
     assert abs(body / r.displacement[1][0, 0] - 1.0) < 0.02
     assert abs(top / r.tension[-1, -1] - 1.0) < 0.02
+    # the single-degree-of-freedom model on a spring is judged beside the run's verdict
+    spring = next(c for c in result.checks if c.name == "SDOF on a spring EA/L")
+    assert spring.level == "info" and spring.limit == 0.05
+    # its gain is 1/|1 - omega^2 M L/EA|, with the file's slugs, feet and pounds
+    alone = 1.0 / abs(1.0 - omega**2 * 160.0 * 600.0 / 2e6)
+    cable = respond(tow.tow, omega, Excitation(heave=1.0)).displacement[1][0, 0]
+    assert spring.value == pytest.approx(alone / abs(cable) - 1.0, rel=1e-9)
+    assert spring.message.startswith("invalid: at 0.3 Hz the body of tow heaves 1.206 m")
+    assert f"SDOF on a spring EA/L {spring.message}" in text_summary(result)
+
+
+def test_a_scene_without_a_tow_does_not_import_the_towing_models() -> None:
+    program = (
+        "import sys\nfrom towage.master import Master\nfrom towage.scene import Scene\n"
+        "Master(Scene.load('slack')).run()\nsys.exit('towage.towing' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def joined(scene: Scene) -> Scene:
+    """`tow_two_units` with its cable and body in one `tow_system`."""
+    source = scene.source
+    source = source[: source.index("[units.body]")] + source[source.index("[coupling]") :]
+    source = re.sub(r'    "(body\.|cable\.body_force).*\n', "", source)
+    source = source.replace("cable.top_velocity", "cable.velocity").replace('"body.heave"', '"cable.body_heave"')
+    source = source.replace('fmu = "tow_cable"', 'fmu = "tow_system"')
+    header = "[units.cable.parameters]"
+    return Scene.from_dict(tomllib.loads(source.replace(header, f"{header}\nextensible = 1")))
+
+
+@pytest.mark.slow
+def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
+    scene = Scene.load("tow_two_units")
+    apart, whole = Master(scene).run(), Master(joined(scene)).run()
+    assert apart.status == "done" and apart.verdict.word == "valid" and apart.scheme == "hermite"
+    assert whole.status == "done" and whole.verdict.word == "valid"
+    omega = 2.0 * math.pi * 0.3
+    heave, surge = (amplitude(apart.time, apart.columns[f"{n}.heave"], omega, 6) for n in ("ship", "surge"))
+    assert abs(surge) > 0.5 * abs(heave)
+    r = respond(towing.scene_tows(scene)[0].tow, omega, Excitation(surge=surge, heave=heave))
+    forces = ("cable.reaction_surge", "cable.reaction_heave")
+
+    def vector(result: Result, *names: str) -> np.ndarray:
+        return np.array([amplitude(result.time, result.columns[n], omega, 6) for n in names])
+
+    pairs = (
+        (vector(apart, "body.surge", "body.heave"), vector(whole, "cable.body_surge", "cable.body_heave"),
+         [r.displacement[0][0, 0], r.displacement[1][0, 0]]),
+        (vector(apart, *forces), vector(whole, *forces), list(r.towpoint_force)),
+    )  # fmt: skip
+    for one, other, exact in pairs:
+        size = np.linalg.norm(exact)
+        # either model was chosen to have its body and its force, as vectors, within 2 % of the frequency domain, each
+        # with segments of its own; the coupling adds 1e-5
+        assert np.linalg.norm(one - exact) < 0.02 * size and np.linalg.norm(other - exact) < 0.02 * size
+        assert np.linalg.norm(one - other) < 0.04 * size
 
 
 def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
@@ -120,7 +192,7 @@ def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     arguments = ["response", "tow_600ft", "--points", "6", "--out", str(tmp_path)]
     assert main(arguments) == 0
     text = capsys.readouterr().out
-    assert "Quadrant I, 182.9 m" in text and "one degree of freedom on a spring EA/L" in text
+    assert "Quadrant I, 182.9 m" in text and "SDOF on a spring EA/L: invalid" in text
     names = ("tow_response.svg", "tow_cable.svg", "tow_response.csv")
     first = [(tmp_path / n).read_bytes() for n in names]
     assert main([*arguments, "--json"]) == 0

@@ -58,7 +58,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
     from ..errors import SceneError, TowageError
     from ..scene import Scene
-    from ..towing import gains, scene_tows
+    from ..towing import gains, scene_tows, spring_check, tolerance_of
     from ..towing_plots import cable_plot, response_plot
 
     if not arguments.first < arguments.last:
@@ -82,6 +82,8 @@ def execute(arguments: argparse.Namespace) -> int:
             documents.append({"unit": tow.name, "quadrant": tow.tow.quadrant, "gains": [_row(r) for r in rows]})
             if not arguments.json:
                 print(_text(tow, rows))
+                if spring := spring_check(tow, tolerance_of(scene)):
+                    print(f"{spring.name}: {spring.message}")
                 print(f"written to {out}: {', '.join(file.name for file in files)}")
     except ValueError as error:
         raise SceneError(str(error), file=scene.file, key="units") from error
@@ -115,8 +117,6 @@ def _write_csv(path: Path, rows: list[Gain]) -> None:
 
 
 def _text(tow: SceneTow, rows: list[Gain]) -> str:
-    from ..towing import gains
-
     t = tow.tow
     one = "m of heave of the towpoint" if t.quadrant == 1 else "N of lift on the body"
     lines = [
@@ -129,12 +129,4 @@ def _text(tow: SceneTow, rows: list[Gain]) -> str:
         )
         spring = "" if g.spring is None else f"{g.spring:10.4g}"
         lines.append(f"{g.omega / (2.0 * math.pi):8.4g}{cells}{spring}")
-    if tow.drive and rows[0].spring is not None:
-        at = gains(t, [tow.drive[1]])[0]
-        error = abs((at.spring or 0.0) - abs(at.body_heave)) / abs(at.body_heave)
-        word = "valid" if error <= 0.05 else "marginal" if error <= 0.1 else "invalid"
-        lines.append(
-            f"at {at.omega / (2.0 * math.pi):.3g} Hz, one degree of freedom on a spring EA/L instead of the cable: {word}, "
-            f"heave of the body {at.spring:.4g} instead of {abs(at.body_heave):.4g}"
-        )
     return "\n".join(lines)
