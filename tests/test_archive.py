@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import platform
 import random
@@ -161,21 +160,23 @@ def test_extract_again_keeps_what_is_there_and_refuses_another_fmu(tmp_path: Pat
     assert sorted(os.listdir(tmp_path)) == ["box", "box.fmu", "other.fmu"]
 
 
-def _extract(path: Path, target: Path) -> None:
-    binary.platform_name = lambda: ("linux64", ".so")
-    for _ in range(20):
-        extract(path, target)
+EXTRACT = """
+import sys
+from pathlib import Path
+from towage import archive, binary
+
+binary.platform_name = lambda: ("linux64", ".so")
+for _ in range(20):
+    archive.extract(Path(sys.argv[1]), Path(sys.argv[2]))
+"""
 
 
 def test_processes_that_extract_at_once_all_succeed(tmp_path: Path) -> None:
     path = build(tmp_path / "box.fmu", resources__noise=random.Random(1).randbytes(2_000_000))
-    context = multiprocessing.get_context("spawn")
-    workers = [context.Process(target=_extract, args=(path, tmp_path / "box")) for _ in range(3)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join(60)
-    assert [worker.exitcode for worker in workers] == [0, 0, 0]
+    command = [sys.executable, "-c", EXTRACT, str(path), str(tmp_path / "box")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(entry or os.getcwd() for entry in sys.path)}
+    workers = [subprocess.Popen(command, env=environment) for _ in range(3)]
+    assert [worker.wait(60) for worker in workers] == [0, 0, 0]
     assert sorted(os.listdir(tmp_path)) == ["box", "box.fmu"]
 
 

@@ -377,11 +377,17 @@ def test_failed_runs_are_code_3_and_reported(bad: Path, tmp_path: Path, capsys: 
     assert "dead on arrival" in report
 
 
+def interruptible() -> None:
+    """Whoever runs the tests in the background may have had interrupts ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_interrupted_run_keeps_its_record(bad: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "towage", "run", str(bad), "--progress", "json", "--out", str(tmp_path / "o")]
     with subprocess.Popen(
         [*command, "--case", "good", "--case", "slow"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT,
+        preexec_fn=interruptible,
     ) as process:  # fmt: skip
         assert process.stderr is not None
         for line in process.stderr:

@@ -269,8 +269,11 @@ def test_error_in_report_ends_the_child(hostile: Path) -> None:
     assert set(children()) <= others
 
 
-def test_interruption_keeps_the_record(hostile: Path) -> None:
+def test_interruption_keeps_the_record(hostile: Path, request: pytest.FixtureRequest) -> None:
     others = set(children())
+    # whoever runs the tests in the background may have had interrupts ignored
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
 
     def report(share: float, text: str) -> None:
         if share > 0.2:
