@@ -16,7 +16,7 @@ from . import checks, judge, judge_slender, sdof
 from .errors import RunError, SceneError
 from .recorder import Recorder, read_journal
 from .resolve import ResolvedScene
-from .result import Check, Margin, Result, Verdict
+from .result import Check, Result, Verdict
 from .scene import Scene
 from .schemes import ORDERS
 from .simulation import Run, Settings, simulate
@@ -251,8 +251,7 @@ class Master:
         except RunError as error:
             result.checks.append(Check("one-way run", "warning", None, None, f"failed: {error}"))
             return
-        n = min(len(time), len(result.time))
-        if n < len(result.time):
+        if len(time) < len(result.time):
             result.checks.append(Check("one-way run", "warning", None, None, "ended early"))
             return
         result.one_way = {name: one_way[name] for name in recorded if name in one_way}
@@ -275,9 +274,3 @@ def run_all(scene: Scene | str | Path, report: Report | None = None) -> list[Res
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     names: list[str | None] = [case.name for case in loaded.cases]
     return [Master(loaded, name).run(report) for name in names or [None]]
-
-
-def worst_margin(results: list[Result]) -> Margin | None:
-    """The smallest deciding margin of several results."""
-    found = [m for r in results if (m := r.worst_margin())]
-    return min(found, key=lambda m: m.worst, default=None)
