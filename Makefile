@@ -2,9 +2,13 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test test-all lint bench docs clean
+.PHONY: run native test test-all lint bench docs clean
 run: $(VENV)/installed dist/built          ## build the FMUs, run the Sea Cliff scene, write out/sea_cliff/report.html
 	$(BIN)/towage run sea_cliff --fmus dist
+
+native: $(VENV)/installed-native           ## all native FMUs, FMI 2 and 3, for this platform
+	$(BIN)/python build_fmus.py --flavour native
+	$(BIN)/python build_fmus.py --flavour native --fmi 3
 
 test: $(VENV)/installed-test dist/built    ## lint, types and all tests but the long tail
 	$(BIN)/ruff check .
@@ -31,6 +35,10 @@ $(VENV)/installed: $(VENV)/created pyproject.toml
 
 $(VENV)/installed-test: $(VENV)/created pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
+	touch $@ $(VENV)/installed
+
+$(VENV)/installed-native: $(VENV)/created pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[native]'
 	touch $@ $(VENV)/installed
 
 dist/built: $(VENV)/installed build_fmus.py $(wildcard models/*.py fmus/*.py)

@@ -4,7 +4,8 @@
 
 Case: ``moordyn_tow.py`` with 0.2 m of heave. Error: complex amplitude of the force on the towpoint at the driving
 frequency, largest component, against the elastic frequency response. Time: milliseconds of processor time a simulated
-second, one thread, the least of three where repeated. All in one run: only ratios mean something.
+second, one thread, the least of three where repeated; initialisation is not in it, MoorDyn's neither. All in one run: only
+ratios mean something.
 """
 
 from __future__ import annotations
@@ -139,7 +140,10 @@ def coupled(fmu: str, own: str, step: float, stop: float) -> tuple[float, float]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "benchmark.toml"
         path.write_text(text)
-        result = Master(Scene.load(path)).run()
+        scene = Scene.load(path)
+        # the least of three; equal parameters are set up once in a process
+        results = [Master(scene).run() for _ in range(3)]
+    result = min(results, key=lambda r: r.statistics["cpu_s"])
     if result.status != "done":
         raise SystemExit(result.message)
     keep = result.time > stop - 5.0 + 1e-9

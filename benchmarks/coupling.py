@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from ctypes import c_double
+from ctypes import addressof, c_double
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -176,7 +176,7 @@ def step_cost(steps: int = 500, size: float = 0.01) -> None:
             sent = []
             for k in range(steps):
                 jacobi(system, k * size, size)
-                sent.append([unit.input_buffer[: unit._input_count] for unit in system.units])
+                sent.append([unit.input_buffer[:] for unit in system.units])
                 system.accept(size)
             system.close()
             return sent
@@ -187,19 +187,20 @@ def step_cost(steps: int = 500, size: float = 0.01) -> None:
             system = started()
             calls = []
             for i, unit in enumerate(system.units):
-                buffers = [(c_double * max(1, len(row[i])))(*row[i]) for row in sent]
+                buffers = [(c_double * len(row[i]))(*row[i]) for row in sent]
+                references, count, _ = unit._inputs or (0, 0, 0)
                 calls.append((
-                    unit._component, unit._set_real, unit._input_references, unit._input_count, buffers,
-                    unit._do_step, unit._get_real, unit._output_references, unit._output_count, unit._output_buffer,
+                    unit._component, unit._set_real, references, count, [addressof(b) for b in buffers], buffers,
+                    unit._do_step, unit._get_real, unit._outputs,
                 ))  # fmt: skip
             begin = time.perf_counter()
             for k in range(steps):
                 t = k * size
-                for component, set_real, inputs, count, buffers, do_step, get_real, outputs, number, values in calls:
+                for component, set_real, inputs, count, addresses, _, do_step, get_real, outputs in calls:
                     if count:
-                        set_real(component, inputs, count, buffers[k])
+                        set_real(component, inputs, count, addresses[k])
                     do_step(component, t, size, 0)
-                    get_real(component, outputs, number, values)
+                    get_real(component, *outputs)
             cost = (time.perf_counter() - begin) / steps * 1e6
             system.close()
             return cost

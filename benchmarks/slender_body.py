@@ -21,6 +21,7 @@ from scipy.linalg import eig
 
 from towage.fmus.slender_body import UNIT
 from towage.models import slender_body, slender_plant, slender_series
+from towage.models.matrix_ops import numbers
 from towage.models.ops import FLOATS
 from towage.models.slender_coefficients import Body, coefficients
 from towage.models.slender_modes import matrices, roots, spectrum
@@ -67,7 +68,7 @@ def collocation(body: Body, u: float, points: int) -> Complex:
     d = 2.0 * (d - np.diag(d.sum(axis=1)))  # by xi = x/2
     xi = 0.5 * x
     powers = [np.eye(points), d, d @ d, d @ d @ d, d @ d @ d @ d]
-    terms = coefficients(body)
+    terms = coefficients(body.numbers, body.ends, FLOATS)
     parts = []
     for part, scale in (("uu", u * u), ("us", u), ("ss", 1.0)):
         c1, c2, c3, c4, g5, g6, g7, g8, g9, g10 = (scale * getattr(t, part) for t in terms)
@@ -112,7 +113,7 @@ def modes_table() -> None:
     line("the same, polished", 26, "52", lambda u: spectrum(system, u, 8))
     for n in (14, 16, 20):
         plain = matrices(BODY, n)
-        damped = replace(plain, extra=fast_mode_damping(plain, 0.02))
+        damped = replace(plain, extra=fast_mode_damping(plain, 0.02, numbers()))
         line("Galerkin, fast modes damped", n, str(2 * n), lambda u, m=damped: roots(m, u))  # type: ignore[misc]
     for points in (16, 20, 24, 32, 40, 48):
         line("Chebyshev collocation", points, str(2 * points), lambda u, k=points: collocation(BODY, u, k))  # type: ignore[misc]
@@ -212,7 +213,6 @@ def integrators_table() -> None:
     print("| method | setting | error | steps or evaluations | s |")
     print("|---|---|---|---|---|")
     for h in (0.4, 0.2, 0.1, 0.05):
-        slender_plant.step_matrices.cache_clear()
         start = time.perf_counter()
         found = exact(h)
         took = time.perf_counter() - start

@@ -1,14 +1,14 @@
 """Unit `cradle`: suspended body, line tension in, heave out, with docking."""
 
 from ..models import cradle
-from .unit import Unit, calculated, entry, local, margin, next_event_time, output, parameter
+from .unit import Unit, calculated, entry, local, margin, next_event_time, output, parameter, tunable
 
 BODY = (
     parameter("mass", "kg", 1000.0, "Mass", display="lb", min=1e-9),
-    parameter("added_mass", "kg", 0.0, "Added mass", display="lb", min=0.0),
-    parameter("weight_in_water", "N", 0.0, "Weight in water", display="lbf", min=0.0),
-    parameter("drag_area", "m2", 0.0, "Reference area of the drag", display="ft2", min=0.0),
-    parameter("drag_coefficient", "1", 1.0, "Drag coefficient", min=0.0),
+    tunable("added_mass", "kg", 0.0, "Added mass", display="lb", min=0.0),
+    tunable("weight_in_water", "N", 0.0, "Weight in water", display="lbf", min=0.0),
+    tunable("drag_area", "m2", 0.0, "Reference area of the drag", display="ft2", min=0.0),
+    tunable("drag_coefficient", "1", 1.0, "Drag coefficient", min=0.0),
     parameter("water_density", "kg/m3", 1025.0, "Density of the water", display="slug/ft3", min=0.0),
     parameter("drag_length", "m", 1.0, "Length in the Reynolds number", display="ft", min=1e-9),
     parameter("kinematic_viscosity", "m2/s", 1.19e-6, "Kinematic viscosity of the water (sea water, 15 degC)", min=0.0),
@@ -45,8 +45,8 @@ UNIT = Unit(
     model=cradle,
     parameters=BODY,
     calculated=(
-        calculated("port_mass", "kg", "Virtual mass before docking"),
-        calculated("drag_factor", "kg/m", "Drag per squared velocity before docking"),
+        calculated("port_mass", "kg", "Virtual mass before docking", "tunable"),
+        calculated("drag_factor", "kg/m", "Drag per squared velocity before docking", "tunable"),
     ),
     inputs=(entry("line_tension", "N", 0.0, "Tension of the line", display="lbf"), SUBMERSIBLE),
     outputs=(

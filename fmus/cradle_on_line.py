@@ -13,10 +13,10 @@ UNIT = Unit(
     model=cradle_on_line,
     parameters=ELASTICITY + BODY,
     calculated=(
-        calculated("port_stiffness", "N/m", "Stiffness seen at the upper end"),
-        calculated("virtual_mass", "kg", "Virtual mass before docking"),
-        calculated("drag_factor", "kg/m", "Drag per squared velocity before docking"),
-        calculated("natural_frequency", "rad/s", "sqrt(K/M) before docking"),
+        calculated("port_stiffness", "N/m", "Stiffness seen at the upper end", "tunable"),
+        calculated("virtual_mass", "kg", "Virtual mass before docking", "tunable"),
+        calculated("drag_factor", "kg/m", "Drag per squared velocity before docking", "tunable"),
+        calculated("natural_frequency", "rad/s", "sqrt(K/M) before docking", "tunable"),
     ),
     inputs=(entry("heave_top", "m", 0.0, "Heave of the upper end, positive up", display="ft"), SUBMERSIBLE),
     outputs=(

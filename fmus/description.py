@@ -1,9 +1,12 @@
-"""``modelDescription.xml`` (FMI 2.0.4, co-simulation) of a unit, from its declaration."""
+"""``modelDescription.xml`` (FMI 2.0.4) of a unit, from its declaration: co-simulation, for the native flavour model
+exchange too."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from .interface import Interface
 from .quantities import unit_definition
 from .unit import Unit, Variable
 
@@ -13,6 +16,21 @@ LOG_CATEGORIES = {
     "logStatusError": "Calls that were refused",
     "logStatusFatal": "Values or calls after which the instance is of no use",
 }
+BOTH = {
+    "needsExecutionTool": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "true",
+}
+MODEL_EXCHANGE = BOTH | {"completedIntegratorStepNotNeeded": "true"}
+CO_SIMULATION = BOTH | {
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "true",
+    "maxOutputDerivativeOrder": "1",
+}
+"""What the native flavour can do."""
 DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "60", "stepSize": "0.1"}
 
 
@@ -23,8 +41,24 @@ def number(value: float) -> str:
 
 
 def model_description(unit: Unit, identifier: str, guid: str, options: dict[str, str]) -> bytes:
-    """The XML document. ``options`` are the attributes of the ``CoSimulation`` element that differ by flavour."""
-    root = Element(
+    """The XML document of the Python flavour. ``options`` are the attributes of the ``CoSimulation`` element."""
+    root = _root(unit, guid, indicators=0)
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **options})
+    return _document(root, Interface(unit))
+
+
+def native_model_description(interface: Interface, identifier: str, guid: str, sources: Sequence[str]) -> bytes:
+    """The XML document of the native flavour. ``sources`` are the names of the C files that make the library."""
+    root = _root(interface.unit, guid, interface.indicators)
+    for kind, options in (("ModelExchange", MODEL_EXCHANGE), ("CoSimulation", CO_SIMULATION)):
+        files = SubElement(SubElement(root, kind, {"modelIdentifier": identifier, **options}), "SourceFiles")
+        for name in sources:
+            SubElement(files, "File", name=name)
+    return _document(root, interface)
+
+
+def _root(unit: Unit, guid: str, indicators: int) -> Element:
+    return Element(
         "fmiModelDescription",
         fmiVersion="2.0",
         modelName=unit.name,
@@ -33,26 +67,43 @@ def model_description(unit: Unit, identifier: str, guid: str, options: dict[str,
         license="MIT",
         generationTool=GENERATION_TOOL,
         variableNamingConvention="structured",
-        numberOfEventIndicators="0",
+        numberOfEventIndicators=str(indicators),
     )
-    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **options})
-    _units(root, unit)
-    categories = SubElement(root, "LogCategories")
-    for name, text in LOG_CATEGORIES.items():
-        SubElement(categories, "Category", name=name, description=text)
-    SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+
+
+def _document(root: Element, interface: Interface) -> bytes:
+    preamble(root, interface.variables)
     variables = SubElement(root, "ModelVariables")
-    for reference, v in enumerate(unit.variables):
-        _variable(variables, reference, v)
-    _structure(root, unit)
+    for reference, v in enumerate(interface.variables):
+        real = _variable(variables, reference, v)
+        state = reference - interface.first_state
+        if 0 <= state < len(interface.states) and interface.reinit[state]:
+            real.set("reinit", "true")
+        if interface.first_derivative <= reference < interface.first_extra:
+            real.set("derivative", str(reference - len(interface.states) + 1))
+    _structure(root, interface)
+    return document(root)
+
+
+def document(root: Element) -> bytes:
+    """The text of an XML document."""
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n%b\n' % tostring(root, encoding="utf-8")
 
 
-def _units(root: Element, unit: Unit) -> None:
+def preamble(root: Element, variables: Iterable[Variable]) -> None:
+    """What comes before the variables, the same in FMI 2 and 3: units, log categories, default experiment."""
+    _units(root, variables)
+    categories = SubElement(root, "LogCategories")
+    for name, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+    SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+
+
+def _units(root: Element, variables: Iterable[Variable]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     wanted: dict[str, set[str]] = {}
-    for v in unit.variables:
+    for v in variables:
         wanted.setdefault(v.unit, set()).update({v.display} if v.display else set())
     for name in sorted(wanted):
         exponents, factor, displays = unit_definition(name)
@@ -65,7 +116,7 @@ def _units(root: Element, unit: Unit) -> None:
                 SubElement(element, "DisplayUnit", name=display, factor=number(display_factor))
 
 
-def _variable(parent: Element, reference: int, v: Variable) -> None:
+def _variable(parent: Element, reference: int, v: Variable) -> Element:
     initial = "exact" if v.causality == "parameter" else None if v.causality == "input" else "calculated"
     attributes = {
         "name": v.name, "valueReference": str(reference), "description": v.description, "causality": v.causality,
@@ -79,18 +130,21 @@ def _variable(parent: Element, reference: int, v: Variable) -> None:
         value = getattr(v, key)
         if value is not None:
             real[key] = number(value)
-    SubElement(element, "Real", real)
+    return SubElement(element, "Real", real)
 
 
-def _structure(root: Element, unit: Unit) -> None:
+def _structure(root: Element, interface: Interface) -> None:
     structure = SubElement(root, "ModelStructure")
-    outputs = [(i, v) for i, v in enumerate(unit.variables) if v.causality == "output"]
-    node = SubElement(structure, "Outputs")
-    for i, v in outputs:
-        # of the knowns of FMI 2 only inputs act without delay; their derivatives are tunable parameters
-        known = [unit.index[name] for name in v.depends]
-        SubElement(node, "Unknown", index=str(i + 1), dependencies=" ".join(str(k + 1) for k in known))
+    outputs = [i for i, v in enumerate(interface.variables) if v.causality == "output"]
+    states = range(interface.first_state, interface.first_derivative)
+    derivatives = range(interface.first_derivative, interface.first_extra)
+    calculated = [i for i, v in enumerate(interface.variables) if v.causality == "calculatedParameter"]
+    for title, references in (("Outputs", outputs), ("Derivatives", derivatives)):
+        if references:
+            node = SubElement(structure, title)
+            for i in references:
+                known = "".join(f" {k + 1}" for k in interface.depends(i)).strip()
+                SubElement(node, "Unknown", index=str(i + 1), dependencies=known)
     node = SubElement(structure, "InitialUnknowns")
-    for i, v in enumerate(unit.variables):
-        if v.causality in ("output", "calculatedParameter"):
-            SubElement(node, "Unknown", index=str(i + 1))
+    for i in sorted([*outputs, *calculated, *states, *derivatives]):
+        SubElement(node, "Unknown", index=str(i + 1))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from html import escape
 
 from .instance import Instance
@@ -12,8 +13,8 @@ REFERENCE_STEP = 0.1
 REFERENCE_STEPS = 100
 
 
-def documentation_page(unit: Unit) -> str:
-    """Self-contained HTML."""
+def documentation_page(unit: Unit, variables: Sequence[Variable] | None = None) -> str:
+    """Self-contained HTML. ``variables``: those of the flavour, if it has more than the unit's."""
     return (
         "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
         f"<title>{escape(unit.name)}</title><style>body{{font:16px/1.5 system-ui;max-width:62rem;margin:2rem auto;"
@@ -21,19 +22,21 @@ def documentation_page(unit: Unit) -> str:
         "pre{background:#f4f4f4;padding:1rem;overflow-x:auto;color:#111}</style></head><body>"
         f"<h1>{escape(unit.name)}</h1><p>{escape(unit.description)}.</p>"
         f"<pre>{escape((unit.model.__doc__ or '').strip())}</pre>\n"
-        + "".join(_table(title, variables) for title, variables in variable_groups(unit))
+        + "".join(_table(title, variables) for title, variables in variable_groups(unit, variables))
         + f"<p><code>{escape(unit.name)}_ref.csv</code> holds a reference result: {escape(reference_text(unit))}</p>"
         "</body></html>\n"
     )
 
 
-def variable_groups(unit: Unit) -> list[tuple[str, list[Variable]]]:
-    """The unit's variables under the headings of its documentation; input derivatives are left to the text."""
+def variable_groups(
+    unit: Unit, variables: Sequence[Variable] | None = None
+) -> list[tuple[str, list[Variable]]]:
+    """Variables under the headings of the documentation; input derivatives are left to the text."""
     titles = {
         "parameter": "Parameters", "input": "Inputs", "output": "Outputs",
         "calculatedParameter": "Calculated parameters", "local": "Local variables",
     }  # fmt: skip
-    shown = [v for v in unit.variables if v.variability != "tunable"]
+    shown = [v for v in variables or unit.variables if v not in unit.input_derivatives]
     return [(title, [v for v in shown if v.causality == causality]) for causality, title in titles.items()]
 
 

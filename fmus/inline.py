@@ -23,8 +23,10 @@ BY_POSITION = ("derivatives", "outputs", "transition", "advance")
 
 
 @cache
-def floats(model: ModuleType) -> SimpleNamespace:
+def floats(model: ModuleType) -> Any:
     """The names of ``model``, with its functions (and those of the models it imports) for floats."""
+    if hasattr(model, "over"):  # a composition has no source of its own, its parts have
+        return model.over(floats)
     names = dict(vars(model))
     for name, value in vars(model).items():
         if isinstance(value, ModuleType) and value.__package__ == model.__package__ and hasattr(value, "Ops"):

@@ -6,6 +6,9 @@ model" can be tested to the last bit.
 Inputs are cubics over a communication step, u(t + s) = u + d1 s + d2 s^2/2 + d3 s^3/6, and start anew at each: what is
 not set again begins the next step with the same u, d1, d2 and d3. After a step, outputs are limits from the left; once
 anything is set they are limits from the right (branches change, a docking happens).
+
+A tunable parameter set between steps is in force from the next call that needs it on; continuous states and branches
+stay. If it makes no sense that call is refused, and the values that were in force before stay so.
 """
 
 from __future__ import annotations
@@ -53,7 +56,9 @@ class Instance:
         causes = {"input", "parameter"}
         early = frozenset(i for i, v in enumerate(unit.variables) if v.causality in causes)
         later = frozenset(i for i in early if unit.variables[i].variability != "fixed")
-        self._settable = (early, early, later, frozenset[int](), frozenset[int]())
+        self._tunable = frozenset(i for i in later if i < self._first_calculated)
+        # parameters that are tuned take the long way, so that inputs take the short one
+        self._settable = (early, early, later - self._tunable, frozenset[int](), frozenset[int]())
         self.reset()
 
     def reset(self) -> None:
@@ -65,6 +70,7 @@ class Instance:
         self._offset = 0.0
         self._touched = True
         self._fresh = False
+        self._stale = False
         self._first_step = 0.0
         self._x: tuple[float, ...] = ()
         self._m: tuple[float, ...] = ()
@@ -122,16 +128,21 @@ class Instance:
         own, settable = self.values, self._settable[self.phase]
         for r, value in zip(references, values):
             if r not in settable or value - value != 0.0:
-                self._refuse_set(r, value)
+                self._tune(r, value)
             own[r] = value
         self._touched = True
         self._fresh = False
         self._cubics = None
 
-    def _refuse_set(self, r: int, value: float) -> None:
+    def _tune(self, r: int, value: float) -> None:
+        """A tunable parameter between steps; anything else that comes here is refused."""
+        tunable = self.phase == STEPPING and r in self._tunable
+        if tunable and value - value == 0.0:
+            self._stale = True
+            return
         self._check_references([r])
         v = self.unit.variables[r]
-        if r not in self._settable[self.phase]:
+        if not tunable and r not in self._settable[self.phase]:
             raise CallError(
                 f"{v.name} may not be set in phase {PHASES[self.phase]}: it is a {v.variability} {v.causality}"
             )
@@ -170,18 +181,41 @@ class Instance:
         elif self.phase == FAILED:
             raise CallError("the instance failed before: reset it, or free it")
 
-    def _initialize(self) -> None:
+    def _take_parameters(self) -> None:
+        """Check the parameters and compute what follows from them alone. Raises `CallError`; nothing happened then."""
         unit, model, values = self.unit, self._model, self.values
         for v, value in zip(unit.variables[: self._first_calculated], values):
             if (v.min is not None and value < v.min) or (v.max is not None and value > v.max):
                 raise CallError(f"{v.name} = {value:g} {v.unit}: expected {_range(v.min, v.max)}")
-        self._fixed = tuple(values[: self._first_calculated])
-        self._p = model.Parameters(**{v.name: values[i] for i, v in enumerate(unit.parameters)})
-        problem = model.problem(self._p) if hasattr(model, "problem") else None
+        p = model.Parameters(**{v.name: values[i] for i, v in enumerate(unit.parameters)})
+        for number, text in model.requirements(p, FLOATS) if hasattr(model, "requirements") else ():
+            if not number > 0.0:
+                raise CallError(text)
+        problem = model.problem(p) if hasattr(model, "problem") else None
         if problem:
             raise CallError(problem)
         if unit.calculated:
-            values[self._first_calculated : self._first_input] = map(float, model.calculated(self._p, FLOATS))
+            values[self._first_calculated : self._first_input] = map(float, model.calculated(p, FLOATS))
+        self._fixed, self._p = tuple(values[: self._first_calculated]), p
+        self._stale = False
+
+    def _retune(self) -> None:
+        """Put tuned parameters in force. Raises `CallError`; the previous ones are then in force."""
+        reason = self._model.untunable(self._p) if hasattr(self._model, "untunable") else ""
+        try:
+            if reason:
+                raise CallError(reason)
+            self._take_parameters()
+        except (ArithmeticError, ValueError) as error:
+            raise CallError(f"parameters set at t = {self.time}: {error}") from error
+        finally:
+            if self._stale:
+                self.values[: self._first_calculated] = self._fixed
+                self._stale = False
+
+    def _initialize(self) -> None:
+        unit, model, values = self.unit, self._model, self.values
+        self._take_parameters()
         x, m = model.initial(self._p, FLOATS)
         self._x, self._m = tuple(x), tuple(m)
         self._offset, self._touched, self._fresh, self._first_step = 0.0, True, False, 0.0
@@ -205,6 +239,8 @@ class Instance:
     def _observe(self) -> None:
         """Bring outputs up to date; a communication point that was touched changes branches first."""
         if self._touched:
+            if self._stale:
+                self._retune()
             self._offset = 0.0
             self._touched = False
             v, d = self.values, self._first_derivative
@@ -243,10 +279,12 @@ class Instance:
         slack = TIME_TOLERANCE * (1.0 + abs(time))
         if not 0.0 < step < NEVER:
             raise CallError(f"step size {step}: expected a positive, finite number of seconds")
-        if not abs(time - self.time) <= slack:
+        if not abs(time - self.time) <= slack < NEVER:
             raise CallError(f"step from t = {time}: expected t = {self.time}, where the last step ended")
         if end > self.stop_time + slack:
             raise CallError(f"step to t = {end}: expected at most the stop time {self.stop_time}")
+        if self._stale:
+            self._retune()
         before = self._x, self._m, self._first_step, self.time, self._offset, self._touched
         try:
             self._advance(time, step)
@@ -329,8 +367,10 @@ class Instance:
         """Everything, immutable: restoring it makes the instance bit-equal to what it was."""
         if self.phase == FAILED:
             raise CallError("the state of an instance that failed is of no use: reset it, or free it")
+        if self._stale:
+            self._retune()
         first = self._first_calculated
-        # parameters do not change once there are results: one tuple serves all states of a run
+        # parameters seldom change once there are results: one tuple serves all states of a run
         fixed = self._fixed if self.phase >= STEPPING else tuple(self.values[:first])
         return (
             self.phase, self.time, self.stop_time, self._offset, self._touched, self._fresh, self._first_step,
@@ -343,7 +383,8 @@ class Instance:
         if len(state) != 11 or len(state[9]) != first or len(state[9]) + len(state[10]) != len(self.values):
             raise CallError(f"this is not a state of {self.unit.name}")
         phase, time, stop_time, offset, touched, fresh, first_step, x, m, fixed, values = state
-        if fixed is not self._fixed or self.phase < STEPPING:
+        if fixed is not self._fixed or self.phase < STEPPING or self._stale:
+            self._stale = False
             self.values[:first] = fixed
             if phase >= STEPPING:
                 self._initialize()

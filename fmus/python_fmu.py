@@ -9,14 +9,11 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import io
-import os
 import uuid
-import zipfile
-import zlib
 from importlib import metadata
 from pathlib import Path
 
+from . import archive_writer
 from .description import model_description
 from .documentation import documentation_page, reference_result
 from .unit import Unit, load
@@ -32,7 +29,6 @@ OPTIONS = {
     "canSerializeFMUstate": "true",
 }
 NAMESPACE = uuid.UUID("6d0cf5bc-7c1e-5f52-9c55-3a1fd5f3f6a1")
-TIMESTAMP = (2000, 1, 1, 0, 0, 0)
 
 
 def staged_modules(unit_name: str) -> dict[str, bytes]:
@@ -92,34 +88,11 @@ def _binaries(identifier: str) -> dict[str, bytes]:
 def build(name: str, directory: Path) -> tuple[Path, bool]:
     """Build the unit's FMU into ``directory``; returns (path, whether it had to be written).
 
-    An FMU of the same content is left alone. The file appears at once: two processes may build the same FMU.
+    An FMU of the same content is left alone.
     """
     members = contents(load(name))
     path = directory / f"{name}.fmu"
-    if _holds(path, members):
+    if archive_writer.read(path) == members:
         return path, False
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for member in sorted(members, key=lambda m: (m != "modelDescription.xml", m)):
-            info = zipfile.ZipInfo(member, TIMESTAMP)
-            info.external_attr = 0o644 << 16
-            info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, members[member])
-    directory.mkdir(parents=True, exist_ok=True)
-    temporary = directory / f".{name}.{os.getpid()}.tmp"
-    try:
-        temporary.write_bytes(buffer.getvalue())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    archive_writer.write(path, members)
     return path, True
-
-
-def _holds(path: Path, members: dict[str, bytes]) -> bool:
-    """Whether the archive at ``path`` is whole and holds exactly ``members``."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-            return sorted(names) == sorted(members) and all(archive.read(n) == members[n] for n in names)
-    except (OSError, ValueError, EOFError, RuntimeError, zlib.error, zipfile.BadZipFile):
-        return False

@@ -44,4 +44,5 @@ UNIT = Unit(
     ),
     start={"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0, "wave_height": 3.0, "speed": 5.0},
     reference_inputs={"reaction": (5.0e4, 0.9)},
+    not_native="its components are tables made from the seed in integer arithmetic, and their number is a parameter",
 )  # fmt: skip

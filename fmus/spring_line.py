@@ -1,11 +1,11 @@
 """Unit `spring_line`: elastic line, both ends' heave in, tension out."""
 
 from ..models import spring_line
-from .unit import FREEZE_BRANCHES, Unit, Variable, calculated, entry, local, margin, output, parameter
+from .unit import FREEZE_BRANCHES, Unit, Variable, calculated, entry, local, margin, output, parameter, tunable
 
 ELASTICITY = (
-    parameter("stiffness", "N/m", 0.0, "Stiffness K; 0: axial_stiffness / length", display="lbf/ft", min=0.0),
-    parameter("axial_stiffness", "N", 1e6, "Axial stiffness EA", display="lbf", min=0.0),
+    tunable("stiffness", "N/m", 0.0, "Stiffness K; 0: axial_stiffness / length", display="lbf/ft", min=0.0),
+    tunable("axial_stiffness", "N", 1e6, "Axial stiffness EA", display="lbf", min=0.0),
     parameter("length", "m", 30.0, "Length at rest", display="ft", min=0.0),
     parameter("breaking_load", "N", 0.0, "Breaking load; 0: not known", display="lbf", min=0.0),
     parameter("wave_speed", "m/s", 0.0, "Speed of longitudinal waves along the line; 0: not known", display="ft/s",
@@ -38,11 +38,11 @@ UNIT = Unit(
     model=spring_line,
     parameters=(
         *ELASTICITY,
-        parameter("static_tension", "N", 0.0, "Tension at rest: the weight in water carried", display="lbf", min=0.0),
+        tunable("static_tension", "N", 0.0, "Tension at rest: the weight in water carried", display="lbf", min=0.0),
     ),
     calculated=(
-        calculated("port_stiffness", "N/m", "Stiffness seen at both ends"),
-        calculated("unstretched_length", "m", "Length before the static tension stretched the line"),
+        calculated("port_stiffness", "N/m", "Stiffness seen at both ends", "tunable"),
+        calculated("unstretched_length", "m", "Length before the static tension stretched the line", "tunable"),
     ),
     inputs=(
         entry("heave_top", "m", 0.0, "Heave of the upper end, positive up", display="ft"),

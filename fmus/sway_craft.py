@@ -1,7 +1,7 @@
 """Unit `sway_craft`: towing craft with one degree of freedom, lateral force of the rope in, lateral motion out."""
 
 from ..models import sway_craft
-from .unit import Unit, calculated, entry, margin, output, parameter
+from .unit import Unit, calculated, entry, local, margin, output, parameter
 
 UNIT = Unit(
     name="sway_craft",
@@ -34,6 +34,10 @@ UNIT = Unit(
         output("free_lateral", "m", "Lateral position without the rope", display="ft", rate=True),
         output("tow_speed", "m/s", "Tow speed", display="kn", rate=True),
         margin("sdof", "1 - |z| / (sdof_tolerance a), z the response to the rope and a the free amplitude"),
+    ),
+    states=(
+        local("response", "m", "Response to the rope's force"),
+        local("response_rate", "m/s", "Its time derivative"),
     ),
     start={"mass": 2e4, "damping": 1e3, "ramp_time": 4.0, "speed_end": 3.0, "speed_change_time": 15.0},
     reference_inputs={"lateral_force": (200.0, 0.9)},

@@ -1,7 +1,7 @@
 """Unit `tow_cable`: elastic tow cable alone, velocities of both ends in, forces on both ends out (linear)."""
 
 from ..models import cable_tow_cable
-from .tow_system import CHOICE, CHOSEN, TOW, linear_margins, reactions
+from .tow_system import CHOICE, CHOSEN, TOW, linear_margins, reactions, remembered
 from .unit import Unit, calculated, entry, output
 
 INPUTS = tuple(
@@ -16,7 +16,7 @@ UNIT = Unit(
     model=cable_tow_cable,
     parameters=(*TOW, *CHOICE),
     calculated=(
-        calculated("port_stiffness", "N/m", "Largest force on the body at once per displacement of it"),
+        calculated("port_stiffness", "N/m", "Largest force on the body at once per displacement of it", "tunable"),
         *CHOSEN,
     ),
     inputs=INPUTS,
@@ -28,6 +28,7 @@ UNIT = Unit(
         output("offset_heave", "m", "Displacement of the body relative to the towpoint, up", display="ft"),
         *linear_margins(NAMES),
     ),
+    states=remembered(INPUTS),
     start={"axial_stiffness": 4e6, "segments": 10.0, "tolerance": 0.2},
     reference_inputs={"top_velocity_heave": (0.4, 1.2), "body_velocity_heave": (0.3, 1.2)},
 )  # fmt: skip

@@ -13,7 +13,7 @@ UNIT = Unit(
         parameter("segments", "1", 20.0, "Number of segments", min=1.0, max=400.0),
         parameter("internal_step", "s", 0.05, "Largest implicit step", min=1e-6),
     ),
-    calculated=(calculated("port_mass", "kg", "Mass of half the last segment, in heave"), *CHOSEN[:2]),
+    calculated=(calculated("port_mass", "kg", "Mass of half the last segment, in heave", "tunable"), *CHOSEN[:2]),
     inputs=VELOCITY,
     outputs=(
         *reactions(NAMES[:2], False),
@@ -25,4 +25,5 @@ UNIT = Unit(
     ),
     start={"axial_stiffness": 4e6, "segments": 6.0},
     reference_inputs={"velocity_heave": (1.0, 1.2), "velocity_surge": (0.5, 0.7)},
+    not_native="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )

@@ -1,7 +1,7 @@
 """Unit `towed_body`: point mass with added masses and drag, cable force in, motion out."""
 
 from ..models import cable_towed_body
-from .unit import Unit, calculated, entry, output, parameter
+from .unit import Unit, calculated, entry, output, parameter, tunable
 
 UNIT = Unit(
     name="towed_body",
@@ -9,13 +9,13 @@ UNIT = Unit(
     model=cable_towed_body,
     parameters=(
         parameter("mass", "kg", 900.0, "Mass", display="slug", min=1e-9),
-        parameter("added_mass_surge", "kg", 256.0, "Added mass in surge", display="slug", min=0.0),
-        parameter("added_mass_heave", "kg", 256.0, "Added mass in heave", display="slug", min=0.0),
-        parameter("drag", "N", 1465.0, "Steady drag", display="lbf", min=0.0),
+        tunable("added_mass_surge", "kg", 256.0, "Added mass in surge", display="slug", min=0.0),
+        tunable("added_mass_heave", "kg", 256.0, "Added mass in heave", display="slug", min=0.0),
+        tunable("drag", "N", 1465.0, "Steady drag", display="lbf", min=0.0),
         parameter("tow_speed", "m/s", 3.0867, "Tow speed", display="kn", min=1e-9),
         parameter("quadratic_drag", "1", 1.0, "1: drag goes with speed squared; 0: constant", min=0.0, max=1.0),
     ),
-    calculated=(calculated("port_mass", "kg", "Smaller virtual mass"),),
+    calculated=(calculated("port_mass", "kg", "Smaller virtual mass", "tunable"),),
     inputs=(
         entry("force_surge", "N", 0.0, "Change of the cable's force, forward", display="lbf"),
         entry("force_heave", "N", 0.0, "Change of the cable's force, up", display="lbf"),

@@ -14,6 +14,10 @@ from types import ModuleType
 from ..models.ops import NEVER
 
 
+class BuildError(Exception):
+    """An FMU cannot be built here, or not at all; the message says why and what to do."""
+
+
 @dataclass(frozen=True)
 class Variable:
     """A scalar of a unit's interface.
@@ -37,13 +41,18 @@ class Variable:
 
 
 def parameter(name: str, unit: str, start: float, description: str, **options: object) -> Variable:
-    """A fixed parameter."""
+    """A parameter that is fixed once a run has begun."""
     return Variable(name, unit, description, start, "parameter", "fixed", **options)  # type: ignore[arg-type]
 
 
-def calculated(name: str, unit: str, description: str, **options: object) -> Variable:
-    """A calculated parameter."""
-    return Variable(name, unit, description, None, "calculatedParameter", "fixed", **options)  # type: ignore[arg-type]
+def tunable(name: str, unit: str, start: float, description: str, **options: object) -> Variable:
+    """A parameter that may change between steps."""
+    return Variable(name, unit, description, start, "parameter", "tunable", **options)  # type: ignore[arg-type]
+
+
+def calculated(name: str, unit: str, description: str, variability: str = "fixed", **options: object) -> Variable:
+    """A calculated parameter; "tunable" where it follows from a tunable one."""
+    return Variable(name, unit, description, None, "calculatedParameter", variability, **options)  # type: ignore[arg-type]
 
 
 def entry(name: str, unit: str, start: float, description: str, **options: object) -> Variable:
@@ -85,7 +94,8 @@ FREEZE_BRANCHES = parameter(
 class Unit:
     """A unit's declaration. ``outputs`` lists outputs and locals in any order; rates of outputs with ``rate=True`` and
     derivatives of inputs are added. ``reference`` is a short run from which the packaged reference result is made:
-    start values, and inputs as amplitude and angular frequency of a sine."""
+    start values, and inputs as amplitude and angular frequency of a sine. ``states`` describes the continuous states that
+    no output of the same name shows, for model exchange; ``not_native`` says why a unit has no native flavour."""
 
     name: str
     description: str
@@ -96,24 +106,30 @@ class Unit:
     calculated: tuple[Variable, ...] = ()
     start: dict[str, float] = field(default_factory=dict)
     reference_inputs: dict[str, tuple[float, float]] = field(default_factory=dict)
+    states: tuple[Variable, ...] = ()
+    not_native: str = ""
 
     @cached_property
     def stepped(self) -> bool:
         """Whether the integrator steps this unit (it has rates but no exact step)."""
-        return hasattr(self.model, "derivatives") and not hasattr(self.model, "advance")
+        return hasattr(self.model, "derivatives") and not any(hasattr(self.model, f) for f in ("advance", "setup"))
 
     @cached_property
-    def variables(self) -> tuple[Variable, ...]:
-        """All variables; the position is the value reference."""
-        derivatives = tuple(
+    def input_derivatives(self) -> tuple[Variable, ...]:
+        """Those of every input, three each."""
+        return tuple(
             Variable(
                 f"{v.name}_d{k}", per_second(v.unit, k),
                 f"Derivative of order {k} of {v.name} at the communication point", 0.0, "parameter", "tunable",
             )
             for v in self.inputs for k in INPUT_ORDERS
         )  # fmt: skip
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """All variables; the position is the value reference."""
         own = (INTEGRATION_TOLERANCE,) if self.stepped else ()
-        return self.parameters + own + self.calculated + self.inputs + derivatives + self.observed
+        return self.parameters + own + self.calculated + self.inputs + self.input_derivatives + self.observed
 
     @cached_property
     def observed(self) -> tuple[Variable, ...]:

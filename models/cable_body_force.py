@@ -35,6 +35,10 @@ class Parameters:
     ramp_time: Value
 
 
+class State(NamedTuple):
+    """None: the forces follow from the time."""
+
+
 class Modes(NamedTuple):
     """No branches."""
 
@@ -54,12 +58,12 @@ class Outputs(NamedTuple):
     lift_change_rate: Value
 
 
-def initial(p: Parameters, ops: Ops) -> tuple[tuple[()], Modes]:
+def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """No states."""
-    return (), Modes()
+    return State(), Modes()
 
 
-def outputs(t: Value, x: tuple[()], m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
+def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """The forces and their rates."""
     omega = 2.0 * math.pi / p.period
     scale = ops.where(p.ramp_time > 0.0, 1.0 / ops.where(p.ramp_time > 0.0, p.ramp_time, 1.0), 0.0)

@@ -28,6 +28,7 @@ import math
 from dataclasses import dataclass, fields
 
 from .cable_loading import Loading
+from .ops import FLOATS, Ops, Value
 
 
 class CableError(ValueError):
@@ -82,7 +83,7 @@ class Tow:
     @property
     def sign(self) -> float:
         """sigma: +1 in Quadrant I, -1 in Quadrant II."""
-        return 1.0 if self.quadrant == 1 else -1.0
+        return 3.0 - 2.0 * self.quadrant
 
     @property
     def drag_factor(self) -> float:
@@ -98,7 +99,10 @@ class Tow:
     @property
     def end_tension(self) -> float:
         """T0(0), N [33]."""
-        return math.hypot(self.body.drag, self.body.lift - self.body.weight)
+        net = self.body.weight - self.body.lift
+        # a power, which symbols have too
+        size: float = (self.body.drag * self.body.drag + net * net) ** 0.5
+        return size
 
     @property
     def end_angle(self) -> float:
@@ -109,44 +113,77 @@ class Tow:
         return math.atan2(b.lift - b.weight, -b.drag)
 
 
-POSITIVE = {"length", "mass", "speed"}
-SIGNED = {"weight", "lift"}
+@dataclass(frozen=True)
+class TracedTow(Tow):
+    """A tow of symbols, which cannot be refused: its `conditions` are results of the trace."""
+
+    def __post_init__(self) -> None:
+        pass
+
+
+POSITIVE = {"cable.length", "cable.mass", "cable.axial_stiffness"}
+SIGNED = {"cable.weight", "body.weight", "body.lift"}
+Condition = tuple[Value, str]
+"""A value that must be positive, and what to say where it is not: with the offending number, if it is a number."""
+
+
+def _named(tow: Tow) -> list[tuple[str, Value]]:
+    """The plain numbers of a tow by their full names."""
+    values = [(f"cable.{f.name}", getattr(tow.cable, f.name)) for f in fields(Cable)]
+    values += [(f"body.{f.name}", getattr(tow.body, f.name)) for f in fields(Body)]
+    values = [(n, v) for n, v in values if not isinstance(v, (bool, Loading)) and n != "cable.momentum_form"]
+    return [*values, ("speed", tow.speed), ("density", tow.density)]
+
+
+def conditions(tow: Tow, ops: Ops) -> list[Condition]:
+    """What must hold for a tow to make sense."""
+
+    def said(value: Value, what: str = " is {:.6g}") -> str:
+        return what.format(value) if isinstance(value, (int, float)) else ""
+
+    def holds(condition: Value) -> Value:
+        return ops.where(condition, 1.0, 0.0)
+
+    net = tow.body.weight - tow.body.lift
+    found = [
+        (
+            holds(tow.sign * tow.sign == 1.0),
+            f"quadrant{said(tow.quadrant)}: expected 1 (ship tows a body) or 2 (submarine tows a float)",
+        )
+    ]
+    for name, value in _named(tow):
+        if name == "speed":
+            expected = "a speed > 0: at rest the direction of the flow is undefined and the linear drag vanishes"
+            found.append((value, f"speed{said(value)}: expected {expected}"))
+        elif name in POSITIVE:
+            found.append((value, f"{name}{said(value)}: expected a positive number"))
+        elif name not in SIGNED:
+            found.append((holds(value >= 0.0), f"{name}{said(value)}: expected a number >= 0"))
+    return [
+        *found,
+        (
+            tow.end_tension,
+            "the cable carries no tension at the body (drag 0, lift equals weight): its direction there is undefined; "
+            "expected drag or a net weight, however small",
+        ),
+        (
+            holds((tow.sign < 0.0) + (net >= 0.0)),
+            f"the body is buoyant{said(-net, ' (lift exceeds weight by {:g})')} in Quadrant I: expected quadrant 2, or "
+            "more weight",
+        ),
+        (
+            holds((tow.sign > 0.0) + (net <= 0.0)),
+            f"the body is heavy{said(net, ' (weight exceeds lift by {:g})')} in Quadrant II: expected quadrant 1, or "
+            "more lift",
+        ),
+    ]
 
 
 def refusal(tow: Tow) -> str:
-    """Why the tow makes no sense; empty if it does."""
-    if tow.quadrant not in (1, 2):
-        return f"quadrant is {tow.quadrant}: expected 1 (ship tows a body) or 2 (submarine tows a float)"
-    values = [("cable", f.name, getattr(tow.cable, f.name)) for f in fields(Cable)]
-    values += [("body", f.name, getattr(tow.body, f.name)) for f in fields(Body)]
-    values += [("tow", "speed", tow.speed), ("tow", "density", tow.density)]
-    for owner, name, value in values:
-        if not isinstance(value, (int, float)) or isinstance(value, bool):
-            continue
-        if name == "axial_stiffness" and value == math.inf:
-            continue
-        if not math.isfinite(value):
-            return f"{owner}.{name} is {value}: expected a finite number"
-        if name == "speed" and value == 0.0:
-            return (
-                "speed is 0: the direction of the flow is undefined and the linear drag vanishes; expected a speed > 0"
-            )
-        if ((name in POSITIVE and owner != "body") or name == "axial_stiffness") and not value > 0.0:
-            return f"{owner}.{name} is {value:g}: expected a positive number"
-        if name not in SIGNED and value < 0.0:
-            return f"{owner}.{name} is {value:g}: expected a number >= 0"
+    """Why the tow, of numbers, makes no sense; empty if it does."""
+    for name, value in _named(tow):
+        if not (math.isfinite(value) or (name == "cable.axial_stiffness" and value == math.inf)):
+            return f"{name} is {value}: expected a finite number"
     if not all(map(math.isfinite, tow.cable.loading.normal + tow.cable.loading.tangential)):
         return f"the loading has a coefficient that is not finite: {tow.cable.loading}"
-    net = tow.body.weight - tow.body.lift
-    if tow.end_tension == 0.0:
-        return (
-            "the cable carries no tension at the body (drag 0, lift equals weight): its direction there is undefined; "
-            "expected drag or a net weight, however small"
-        )
-    if tow.quadrant == 1 and net < 0.0:
-        return (
-            f"the body is buoyant (lift exceeds weight by {-net:g}) in Quadrant I: expected quadrant 2, or more weight"
-        )
-    if tow.quadrant == 2 and net > 0.0:
-        return f"the body is heavy (weight exceeds lift by {net:g}) in Quadrant II: expected quadrant 1, or more lift"
-    return ""
+    return next((text for value, text in conditions(tow, FLOATS) if not value > 0.0), "")

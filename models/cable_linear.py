@@ -22,14 +22,16 @@ Source: discretisation of ``cable_lumped.py``; partitions and signs are our own,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from .cable_case import CableError, Tow
-from .cable_lumped import Chain, Matrices, equilibrium, matrices, node_load
+from .cable_lumped import Chain, Matrices, ends, equilibrium, matrices, rows, steady_towpoint_force
 from .cable_perturbation import ComplexArray
-from .cable_steady import Array
+from .matrix_ops import Matrix, MatrixOps, numbers
 
 FORCE = slice(0, 2)
 """Rows of y: force of the cable on the towpoint, N, forward and up."""
@@ -48,11 +50,11 @@ class LinearModel:
     """A state space of the cable; matrices of shapes (n, n), (n, m), (r, n), (r, m), (r, m)."""
 
     chain: Chain
-    a: Array
-    b: Array
-    c: Array
-    d: Array
-    e: Array
+    a: Matrix
+    b: Matrix
+    c: Matrix
+    d: Matrix
+    e: Matrix
 
     def response(self, omega: float, inputs: ComplexArray) -> ComplexArray:
         """Amplitudes of y for u = Re(inputs exp(-i omega t)), shape (r,) as inputs has shape (m,)."""
@@ -62,162 +64,19 @@ class LinearModel:
         return y
 
     @property
-    def apparent_mass(self) -> Array:
+    def apparent_mass(self) -> Matrix:
         """m_app, kg, (2, 2): the towpoint feels -m_app a at once."""
-        mass: Array = -self.e[FORCE, :2]
-        return mass
-
-
-def _angles(chain: Chain) -> Array:
-    """Rows (N, 2N+2) that take node displacements to the rotations of the segments, rad (counter-clockwise)."""
-    n = chain.count
-    lengths = np.linalg.norm(np.diff(chain.nodes, axis=0), axis=1)
-    across = np.stack([-chain.directions[:, 1], chain.directions[:, 0]], axis=1) / lengths[:, None]
-    rows = np.zeros((n, 2 * n + 2))
-    for k in range(n):
-        rows[k, 2 * k : 2 * k + 2] = -across[k]
-        rows[k, 2 * k + 2 : 2 * k + 4] = across[k]
-    return rows
-
-
-def _end_directions(chain: Chain, m: Matrices) -> tuple[Array, Array]:
-    """Unit vectors of the steady pull on the body and of the cable's pull on the towpoint."""
-    tow = chain.tow
-    body = np.array([tow.body.drag, tow.body.weight - tow.body.lift]) / tow.end_tension
-    top = -steady_towpoint_force(chain)
-    return body, -top / np.linalg.norm(top)
-
-
-def steady_towpoint_force(chain: Chain) -> Array:
-    """Steady force of the cable on the towpoint, N, forward and up."""
-    tow = chain.tow
-    along = chain.directions[-1]
-    drag = np.array(
-        node_load(tow, chain.segment, (tow.sign * along[0], tow.sign * along[1]), (tow.speed, 0.0)), dtype=float
-    )
-    force: Array = -chain.tension[-1] * along + drag - np.array([0.0, 0.5 * tow.cable.weight * chain.segment])
-    return force
+        return -self.e[FORCE, :2]
 
 
 def tow_rigid(tow: Tow, count: int) -> LinearModel:
     """Cable of constant length with body: 2 N states, inputs (v_x, v_y of the towpoint, f_x, f_y on the body)."""
-    chain = equilibrium(tow, count)
-    return rigid_model(matrices(chain, elastic=False))
-
-
-def rigid_model(m: Matrices) -> LinearModel:
-    """`tow_rigid` from given matrices."""
-    chain, n = m.chain, m.chain.count
-    mass, damping, stiffness = m.mass.copy(), m.damping.copy(), m.stiffness
-    mass[:2, :2] += m.body_mass
-    damping[:2, :2] += m.body_damping
-    steps = np.diff(chain.nodes, axis=0)
-    z = np.zeros((2 * n + 2, n))
-    for k in range(n):
-        # turning segment k by eta moves the nodes on the body's side of it
-        z[0 : 2 * k + 2 : 2, k], z[1 : 2 * k + 2 : 2, k] = steps[k, 1], -steps[k, 0]
-    b_all = np.tile(np.eye(2), (n + 1, 1))
-    f_body = np.zeros((2 * n + 2, 2))
-    f_body[:2] = np.eye(2)
-    inner = np.linalg.inv(z.T @ mass @ z)
-    coupling = inner @ z.T @ mass @ b_all
-    zero_n, zero_2 = np.zeros((n, n)), np.zeros((n, 2))
-    # eta' = inner p - coupling v
-    rate_x, rate_u = np.hstack([zero_n, inner]), np.hstack([-coupling, zero_2])
-    qd_x, qd_u = z @ rate_x, z @ rate_u + np.hstack([b_all, np.zeros((2 * n + 2, 2))])
-    pd_x = -z.T @ damping @ qd_x - np.hstack([z.T @ stiffness @ z, zero_n])
-    pd_u = -z.T @ damping @ qd_u + np.hstack([zero_2, z.T @ f_body])
-    qdd_x, qdd_u = z @ inner @ pd_x, z @ inner @ pd_u
-    qdd_a = np.hstack([b_all - z @ coupling, np.zeros((2 * n + 2, 2))])
-    # M q'' + C q' + K q - f_body, node by node: what the constraint forces and the towpoint supply
-    need_x = mass @ qdd_x + damping @ qd_x + np.hstack([stiffness @ z, np.zeros((2 * n + 2, n))])
-    need_u = mass @ qdd_u + damping @ qd_u - np.hstack([np.zeros((2 * n + 2, 2)), f_body])
-    need_a = mass @ qdd_a
-    cumulative = np.zeros((n, 2 * n + 2))
-    for k in range(n):
-        cumulative[k, 0 : 2 * k + 2 : 2], cumulative[k, 1 : 2 * k + 2 : 2] = chain.directions[k]
-    body_along, top_along = _end_directions(chain, m)
-    own_mass, own_damping = np.zeros_like(mass[:2]), np.zeros_like(mass[:2])
-    own_mass[:, :2], own_damping[:, :2] = m.body_mass, m.body_damping
-    pull_x = own_mass @ qdd_x + own_damping @ qd_x
-    pull_u = own_mass @ qdd_u + own_damping @ qd_u - np.hstack([np.zeros((2, 2)), np.eye(2)])
-    pull_a = own_mass @ qdd_a
-    eta_x = np.hstack([np.eye(n), zero_n])
-    zero_nu = np.zeros((n, 4))
-    c = np.vstack([
-        -b_all.T @ need_x, qd_x[:2], np.hstack([z[:2], np.zeros((2, n))]), body_along @ pull_x,
-        -top_along @ b_all.T @ need_x, cumulative @ need_x, eta_x,
-    ])  # fmt: skip
-    d = np.vstack([
-        -b_all.T @ need_u, qd_u[:2], np.zeros((2, 4)), body_along @ pull_u, -top_along @ b_all.T @ need_u,
-        cumulative @ need_u, zero_nu,
-    ])  # fmt: skip
-    e = np.vstack([
-        -b_all.T @ need_a, np.zeros((4, 4)), body_along @ pull_a, -top_along @ b_all.T @ need_a, cumulative @ need_a,
-        zero_nu,
-    ])  # fmt: skip
-    return LinearModel(chain, np.vstack([rate_x, pd_x]), np.vstack([rate_u, pd_u]), c, d, e)
+    return rigid_model(matrices(equilibrium(tow, count), elastic=False))
 
 
 def tow_elastic(tow: Tow, count: int) -> LinearModel:
     """Elastic cable with body: 4 N states, inputs as `tow_rigid`."""
-    m = matrices(equilibrium(tow, count), elastic=True)
-    chain, n = m.chain, m.chain.count
-    mass, damping = m.mass.copy(), m.damping.copy()
-    mass[:2, :2] += m.body_mass
-    damping[:2, :2] += m.body_damping
-    f, free = 2 * n, slice(0, 2 * n)
-    b_free = np.tile(np.eye(2), (n, 1))
-    force = np.zeros((f, 2))
-    force[:2] = np.eye(2)
-    inverse = np.linalg.inv(mass[free, free])
-    zero = np.zeros((f, f))
-    a = np.block([[zero, np.eye(f)], [-inverse @ m.stiffness[free, free], -inverse @ damping[free, free]]])
-    b = np.block([[-b_free, np.zeros((f, 2))], [-inverse @ damping[free, f:], inverse @ force]])
-    body_x = np.hstack([np.zeros((2, f)), np.eye(2, f)])
-    acceleration_x, acceleration_u = a[f : f + 2], b[f : f + 2]
-    pull_x = m.body_mass @ acceleration_x + m.body_damping @ body_x
-    pull_u = m.body_mass @ acceleration_u - np.hstack([np.zeros((2, 2)), np.eye(2)])
-    top_x = np.hstack([m.stiffness[f:, free], damping[f:, free]])
-    top_u = np.hstack([damping[f:, f:], np.zeros((2, 2))])
-    top_a = np.hstack([mass[f:, f:], np.zeros((2, 2))])
-    rows = _profile(chain)[:, free]
-    return _assemble(m, a, b, (-top_x, -top_u, -top_a), (body_x, np.zeros((2, 4))), np.eye(2, 2 * f),
-                     (pull_x, pull_u), np.hstack([rows, np.zeros_like(rows)]), None)  # fmt: skip
-
-
-def _profile(chain: Chain) -> Array:
-    """Rows (2N, 2N+2): tensions, N, and rotations, rad, of the segments of an elastic chain from node displacements."""
-    n = chain.count
-    stiffness = chain.tow.cable.axial_stiffness / chain.segment
-    rows = np.zeros((n, 2 * n + 2))
-    for k in range(n):
-        rows[k, 2 * k : 2 * k + 2] = -stiffness * chain.directions[k]
-        rows[k, 2 * k + 2 : 2 * k + 4] = stiffness * chain.directions[k]
-    return np.vstack([rows, _angles(chain)])
-
-
-def _assemble(
-    m: Matrices,
-    a: Array,
-    b: Array,
-    top: tuple[Array, Array, Array],
-    second: tuple[Array, Array],
-    offset: Array,
-    pull: tuple[Array, Array],
-    profile: Array,
-    profile_u: Array | None,
-) -> LinearModel:
-    body_along, top_along = _end_directions(m.chain, m)
-    inputs = b.shape[1]
-    rows = len(profile)
-    c = np.vstack([top[0], second[0], offset, body_along @ pull[0], top_along @ top[0], profile])
-    d = np.vstack([
-        top[1], second[1], np.zeros((2, inputs)), body_along @ pull[1], top_along @ top[1],
-        np.zeros((rows, inputs)) if profile_u is None else profile_u,
-    ])  # fmt: skip
-    e = np.vstack([top[2], np.zeros((5, inputs)), top_along @ top[2], np.zeros((rows, inputs))])
-    return LinearModel(m.chain, a, b, c, d, e)
+    return elastic_model(_elastic(tow, count))
 
 
 def cable_elastic(tow: Tow, count: int) -> LinearModel:
@@ -229,32 +88,176 @@ def cable_elastic(tow: Tow, count: int) -> LinearModel:
     """
     if count < 2:
         raise CableError(f"{count} segments: a cable between two prescribed ends needs at least 2")
-    m = matrices(equilibrium(tow, count), elastic=True)
+    return cable_model(_elastic(tow, count))
+
+
+def _elastic(tow: Tow, count: int) -> Matrices:
+    if not math.isfinite(tow.cable.axial_stiffness):
+        raise CableError("an elastic model needs a finite axial stiffness EA")
+    return matrices(equilibrium(tow, count), elastic=True)
+
+
+class _Rows(NamedTuple):
+    """What states, inputs and u' contribute to some components of y."""
+
+    x: Matrix
+    u: Matrix
+    du: Matrix
+
+    def times(self, matrix: Matrix) -> _Rows:
+        """``matrix`` times these."""
+        return _Rows(matrix @ self.x, matrix @ self.u, matrix @ self.du)
+
+
+def _model(chain: Chain, a: Matrix, b: Matrix, parts: list[_Rows], ops: MatrixOps) -> LinearModel:
+    c, d, e = (ops.vstack(list(part)) for part in zip(*parts))
+    return LinearModel(chain, a, b, c, d, e)
+
+
+def _end_directions(chain: Chain, ops: MatrixOps) -> tuple[Matrix, Matrix]:
+    """Rows (1, 2): unit vectors of the steady pull on the body and of the cable's pull on the towpoint."""
+    body, tension = chain.tow.body, chain.tow.end_tension
+    x, y = steady_towpoint_force(chain)
+    size = ops.scalars.sqrt(x * x + y * y)
+    pull = ops.matrix([[body.drag / tension, (body.weight - body.lift) / tension]])
+    return pull, ops.matrix([[x / size, y / size]])
+
+
+def _with_body(m: Matrices, ops: MatrixOps) -> tuple[Matrix, Matrix, Matrix]:
+    """(M, C) with the body, and its columns (2N+2, 2) among the nodes."""
+    first = ops.constant(np.eye(2 * m.chain.count + 2, 2))
+    return m.mass + first @ m.body_mass @ first.T, m.damping + first @ m.body_damping @ first.T, first
+
+
+def _second_order(mass: Matrix, sides: list[Matrix], velocity_u: Matrix, ops: MatrixOps) -> tuple[Matrix, Matrix]:
+    """(A, B) of q' = v + velocity_u u, mass v' = -(the sides, of q, v and u in turn)."""
+    f = mass.shape[0]
+    rates = -ops.solve(mass, ops.hstack(sides))
+    a = ops.vstack([ops.hstack([ops.zeros(f, f), ops.eye(f)]), rates[:, : 2 * f]])
+    return a, ops.vstack([velocity_u, rates[:, 2 * f :]])
+
+
+def _body_side(count: int, ops: MatrixOps) -> Matrix:
+    """(2N+2, 2N): the nodes on the body's side of each segment."""
+    return ops.constant(np.kron(np.triu(np.ones((count + 1, count))), np.eye(2)))
+
+
+def rigid_model(m: Matrices, ops: MatrixOps | None = None) -> LinearModel:
+    """`tow_rigid` from given matrices."""
+    ops = ops or numbers()
+    chain, n = m.chain, m.chain.count
+    size = 2 * n + 2
+    mass, damping, first = _with_body(m, ops)
+    everywhere = ops.constant(np.tile(np.eye(2), (n + 1, 1)))
+    x, y = chain.steps
+    side = _body_side(n, ops)
+    # turning segment k by eta moves the nodes on the body's side of it
+    z = side @ rows(y, -x, ops).T
+    inner = ops.solve(z.T @ mass @ z, ops.eye(n))
+    coupling = inner @ (z.T @ (mass @ everywhere))
+    none, two, force = ops.zeros(n, n), ops.zeros(n, 2), ops.zeros(size, 2)
+    # eta' = inner p - coupling v
+    rate_x, rate_u = ops.hstack([none, inner]), ops.hstack([-coupling, two])
+    eta_x = ops.hstack([ops.eye(n), none])
+    velocity = _Rows(z @ rate_x, z @ rate_u + ops.hstack([everywhere, force]), ops.zeros(size, 4))
+    on_body = ops.hstack([force, first])
+    pd_x = -z.T @ (damping @ velocity.x + m.stiffness @ z @ eta_x)
+    pd_u = -z.T @ (damping @ velocity.u - on_body)
+    turning = z @ inner
+    acceleration = _Rows(turning @ pd_x, turning @ pd_u, ops.hstack([everywhere - z @ coupling, force]))
+    # M q'' + C q' + K q - f_body, node by node: what the constraint forces and the towpoint supply
+    need = _Rows(
+        mass @ acceleration.x + damping @ velocity.x + m.stiffness @ z @ eta_x,
+        mass @ acceleration.u + damping @ velocity.u - on_body,
+        mass @ acceleration.du,
+    )
+    body_velocity, body_acceleration = velocity.times(first.T), acceleration.times(first.T)
+    pull = _pull(m, body_velocity, body_acceleration, ops)
+    body_along, top_along = _end_directions(chain, ops)
+    top = need.times(-everywhere.T)
+    length = (x * x + y * y) ** 0.5
+    tensions = need.times(rows(x / length, y / length, ops) @ side.T)
+    parts = [
+        top, body_velocity, _Rows(z[:2, :] @ eta_x, ops.zeros(2, 4), ops.zeros(2, 4)), pull.times(body_along),
+        top.times(top_along), tensions, _Rows(eta_x, ops.zeros(n, 4), ops.zeros(n, 4)),
+    ]  # fmt: skip
+    return _model(chain, ops.vstack([rate_x, pd_x]), ops.vstack([rate_u, pd_u]), parts, ops)
+
+
+def _pull(m: Matrices, velocity: _Rows, acceleration: _Rows, ops: MatrixOps) -> _Rows:
+    """Force of the cable on the body, from the body's motion."""
+    return _Rows(
+        m.body_mass @ acceleration.x + m.body_damping @ velocity.x,
+        m.body_mass @ acceleration.u + m.body_damping @ velocity.u - ops.hstack([ops.zeros(2, 2), ops.eye(2)]),
+        m.body_mass @ acceleration.du,
+    )
+
+
+def elastic_model(m: Matrices, ops: MatrixOps | None = None) -> LinearModel:
+    """`tow_elastic` from given matrices."""
+    ops = ops or numbers()
+    chain, n = m.chain, m.chain.count
+    f = 2 * n
+    mass, damping, first = _with_body(m, ops)
+    sides = [m.stiffness[:f, :f], damping[:f, :f], damping[:f, f:], -first[:f, :]]
+    everywhere = ops.constant(np.tile(np.eye(2), (n, 1)))
+    a, b = _second_order(mass[:f, :f], sides, ops.hstack([-everywhere, ops.zeros(f, 2)]), ops)
+    still = ops.zeros(2, 4)
+    offset = _Rows(ops.constant(np.eye(2, 2 * f)), still, still)
+    velocity = _Rows(ops.constant(np.eye(2, 2 * f, f)), still, still)
+    pull = _pull(m, velocity, _Rows(a[f : f + 2, :], b[f : f + 2, :], still), ops)
+    top = _Rows(
+        -ops.hstack([m.stiffness[f:, :f], damping[f:, :f]]),
+        -ops.hstack([damping[f:, f:], ops.zeros(2, 2)]),
+        -ops.hstack([mass[f:, f:], ops.zeros(2, 2)]),
+    )
+    body_along, top_along = _end_directions(chain, ops)
+    profile = _profile(chain, ops)[:, :f]
+    fixed = ops.zeros(2 * n, 4)
+    parts = [
+        top, velocity, offset, pull.times(body_along), top.times(top_along),
+        _Rows(ops.hstack([profile, ops.zeros(2 * n, f)]), fixed, fixed),
+    ]  # fmt: skip
+    return _model(chain, a, b, parts, ops)
+
+
+def _profile(chain: Chain, ops: MatrixOps) -> Matrix:
+    """Rows (2N, 2N+2): tensions, N, and rotations, rad, of the segments of an elastic chain from node displacements."""
+    x, y = chain.steps
+    square = x * x + y * y
+    stiffness = chain.tow.cable.axial_stiffness / chain.segment / square**0.5
+    lower, upper = ends(chain.count, ops)
+    return ops.vstack([rows(stiffness * x, stiffness * y, ops), rows(-y / square, x / square, ops)]) @ (upper - lower).T
+
+
+def cable_model(m: Matrices, ops: MatrixOps | None = None) -> LinearModel:
+    """`cable_elastic` from given matrices."""
+    ops = ops or numbers()
     chain, n = m.chain, m.chain.count
     mass, damping, stiffness = m.mass, m.damping, m.stiffness
-    inner, f, last = slice(2, 2 * n), 2 * (n - 1), slice(2 * n, 2 * n + 2)
-    b_inner = np.tile(np.eye(2), (n - 1, 1))
-    inverse = np.linalg.inv(mass[inner, inner])
-    a = np.block(
-        [[np.zeros((f, f)), np.eye(f)], [-inverse @ stiffness[inner, inner], -inverse @ damping[inner, inner]]]
-    )
-    b = np.block([
-        [-b_inner, np.zeros((f, 4))],
-        [-inverse @ damping[inner, last], -inverse @ damping[inner, :2], -inverse @ stiffness[inner, :2]],
-    ])  # fmt: skip
-    ends = []
-    for node in (last, slice(0, 2)):
-        x = np.hstack([stiffness[node, inner], damping[node, inner]])
-        u = np.hstack([damping[node, last], damping[node, :2], stiffness[node, :2]])
-        acceleration = np.zeros((2, 6))
-        acceleration[:, slice(0, 2) if node == last else slice(2, 4)] = mass[node, node]
-        ends.append((-x, -u, -acceleration))
-    rows = _profile(chain)
-    profile_u = np.hstack([np.zeros((2 * n, 4)), rows[:, :2]])
-    model = _assemble(m, a, b, ends[0], ends[1][:2], np.zeros((2, 2 * f)), ends[1][:2],
-                      np.hstack([rows[:, inner], np.zeros((2 * n, f))]), profile_u)  # fmt: skip
-    body_along = _end_directions(chain, m)[0]
-    model.e[BODY_VELOCITY] = ends[1][2]
-    model.e[6] = body_along @ ends[1][2]
-    model.d[BODY_OFFSET, 4:] = np.eye(2)
-    return model
+    f, last = 2 * (n - 1), 2 * n
+    inner = slice(2, last)
+    sides = [each[inner, inner] for each in (stiffness, damping)]
+    sides += [damping[inner, last:], damping[inner, :2], stiffness[inner, :2]]
+    everywhere = ops.constant(np.tile(np.eye(2), (n - 1, 1)))
+    a, b = _second_order(mass[inner, inner], sides, ops.hstack([-everywhere, ops.zeros(f, 4)]), ops)
+
+    def force(node: slice, accelerates: list[Matrix]) -> _Rows:
+        return _Rows(
+            -ops.hstack([stiffness[node, inner], damping[node, inner]]),
+            -ops.hstack([damping[node, last:], damping[node, :2], stiffness[node, :2]]),
+            -ops.hstack([*accelerates, ops.zeros(2, 2)]),
+        )
+
+    none = ops.zeros(2, 2)
+    top = force(slice(last, last + 2), [mass[last:, last:], none])
+    body = force(slice(0, 2), [none, mass[:2, :2]])
+    offset = _Rows(ops.zeros(2, 2 * f), ops.constant(np.eye(2, 6, 4)), ops.zeros(2, 6))
+    body_along, top_along = _end_directions(chain, ops)
+    profile = _profile(chain, ops)
+    parts = [
+        top, body, offset, body.times(body_along), top.times(top_along),
+        _Rows(ops.hstack([profile[:, inner], ops.zeros(2 * n, f)]), ops.hstack([ops.zeros(2 * n, 4), profile[:, :2]]),
+              ops.zeros(2 * n, 6)),
+    ]  # fmt: skip
+    return _model(chain, a, b, parts, ops)

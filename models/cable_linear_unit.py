@@ -1,95 +1,150 @@
-"""What the two linear towing units share: the prepared state space, its exact steps and its observation.
+"""What the two linear towing units share: the rows that they observe, the numbers behind them, their margins.
 
-    z = (x, u, u', u''),   y = [C D E] z,   y' = [C A, C B, D, E] z
+    y = (forces and motions of ``cable_linear.py``, T1/T0 and the turn over its room of every segment)
 
 The acceleration u' comes with the inputs; u'' is remembered from the step before, so rates of forces are limits from
-the left. Everything here is prepared once for a set of parameters; steps once for a length.
+the left.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from .cable_case import Tow
+from .cable_case import Condition
 from .cable_fidelity import Chosen
-from .cable_linear import PROFILE, LinearModel, steady_towpoint_force
-from .cable_parameters import stream_angles
-from .cable_steady import Array
-from .cable_step import ExactStep, exact_step
+from .cable_linear import PROFILE, LinearModel
+from .cable_lumped import BALANCE, OUTSIDE, flow, steady_towpoint_force
+from .cable_parameters import LinearParameters
+from .linear_unit import LinearUnit
+from .matrix_ops import MatrixOps
+from .ops import FLOATS, Ops, Value
+from .state_space import Comparison, Setup
 
 FLOOR = 1e-3
 """rad; least distance to the stream's direction by which a turn is measured."""
 
+EXTRA = "segment_tension", "N", "Tension of a segment, the first at the body"
+"""What `observe` of both units gives beside the outputs."""
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """A linear model ready to run; compared by identity."""
 
-    tow: Tow
+class Constants(NamedTuple):
+    """What follows from the parameters: steady tensions of the segments and at the ends, N, cosine and sine of the cable's
+    angle at the towpoint, rad of turn there a unit of its row of y, position of the body from the towpoint, m, ``direct``:
+    the unit's own matrix (2, 2) of the force at once, row by row; then what `Study` counts and finds; and what equilibrium
+    demands: least tension, N, largest force across a segment over the forces on it."""
+
+    steady_tension: tuple[Value, ...]
+    tension_body: Value
+    tension_top: Value
+    top_cosine: Value
+    top_sine: Value
+    top_turn: Value
+    body_surge: Value
+    body_heave: Value
+    direct: tuple[Value, ...]
+    measured_inputs: Value
+    segments: Value
+    states: Value
+    model_error: Value
+    inextensible_error: Value
+    least_tension: Value
+    imbalance: Value
+
+
+@dataclass(eq=False, kw_only=True)
+class TowUnit(LinearUnit):
+    """A linear towing unit of the Python flavour, with the model chosen for it."""
+
     chosen: Chosen
-    order: int
-    values: Array = field(init=False)
-    rates: Array = field(init=False)
-    steady_tension: Array = field(init=False)
-    room: Array = field(init=False)
-    end_tension: tuple[float, float] = field(init=False)
-
-    def __post_init__(self) -> None:
-        m = self.model
-        set_ = object.__setattr__
-        set_(self, "values", np.hstack([m.c, m.d, m.e]))
-        set_(self, "rates", np.hstack([m.c @ m.a, m.c @ m.b, m.d, m.e])[:PROFILE])
-        set_(self, "steady_tension", m.chain.tension)
-        d = self.tow.sign * m.chain.directions
-        phi = np.arctan2(d[:, 1], d[:, 0])
-        set_(self, "room", np.maximum(FLOOR, stream_angles(self.tow, phi.tolist())))
-        set_(self, "end_tension", (self.tow.end_tension, float(np.linalg.norm(steady_towpoint_force(m.chain)))))
 
     @property
     def model(self) -> LinearModel:
-        """The state space."""
+        """The state space, tensions in N and turns in rad."""
         return self.chosen.model
 
-    @property
-    def top_angle(self) -> float:
-        """Steady angle of the cable at the towpoint, rad."""
-        force = -self.tow.sign * -steady_towpoint_force(self.model.chain)
-        return math.atan2(-force[1], -force[0])
+
+def setup_of(model: LinearModel, direct: Any, measured: Value, ops: MatrixOps) -> Setup:
+    """The set-up of a state space. ``direct`` (2, 2) and ``measured`` as in `Constants`."""
+    chain, tow, n, f = model.chain, model.chain.tow, model.chain.count, flow(model.chain)
+    room = ops.vectors.maximum(FLOOR, ops.vectors.atan2(f.sine, f.cosine))
+    strain, turn = ops.diagonal(1.0 / chain.tension), ops.diagonal(-tow.sign / room)
+    c, d, e = (
+        ops.vstack([m[:PROFILE, :], strain @ m[PROFILE : PROFILE + n, :], turn @ m[PROFILE + n :, :]])
+        for m in (model.c, model.d, model.e)
+    )
+    x, y = steady_towpoint_force(chain)
+    top = ops.scalars.sqrt(x * x + y * y)
+    offset = ops.elements(chain.nodes[n, :])
+    constants = Constants(
+        ops.elements(chain.tension), tow.end_tension, top, -tow.sign * x / top, -tow.sign * y / top,
+        -tow.sign * room[n - 1], -offset[0], -offset[1],
+        (*ops.elements(direct[0, :]), *ops.elements(direct[1, :])), measured, float(n), float(model.a.shape[0]), 0.0, 0.0,
+        chain.least[n - 1], chain.imbalance[n - 1],
+    )  # fmt: skip
+    return Setup((model.a,), (model.b,), c, d, e, constants)
 
 
-@lru_cache(maxsize=64)
-def step_of(prepared: Prepared, step: float) -> ExactStep:
-    """The operators for a step length, s."""
-    return exact_step(prepared.model.a, prepared.model.b, step, prepared.order)
+def chosen_setup(found: Setup, chosen: Chosen) -> Setup:
+    """A set-up with what was found out in choosing its model; plain floats, which are the fastest. The Python flavour
+    shows no tensions of segments, and computes none without the steady ones."""
+
+    def plain(value: Any) -> Any:
+        return tuple(map(float, value)) if isinstance(value, tuple) else float(value)
+
+    constants = found.constants._replace(
+        model_error=chosen.error, inextensible_error=chosen.inextensible_error, steady_tension=()
+    )
+    return found._replace(constants=Constants(*map(plain, constants)))
 
 
-def observe(
-    prepared: Prepared, x: Sequence[float], u: Sequence[float], du: Sequence[float], ddu: Sequence[float]
-) -> tuple[list[float], list[float], float, float]:
-    """(the first `PROFILE` rows of y, their rates, margin of slack, margin of the quadrant)."""
-    z = np.array([*x, *u, *du, *ddu])
-    n = prepared.values.shape[1]
-    y = prepared.values @ z[:n]
-    count = len(prepared.steady_tension)
-    tension, turn = y[PROFILE : PROFILE + count], y[PROFILE + count :]
-    slack = 1.0 - float((np.abs(tension) / prepared.steady_tension).max())
-    quadrant = 1.0 - max(0.0, float((-prepared.tow.sign * turn / prepared.room).max()))
-    return y[:PROFILE].tolist(), (prepared.rates @ z).tolist(), slack, quadrant
+def halved(size: Any, least: int) -> tuple[Comparison, ...]:
+    """Error of the segments, of second order, by a model with half of them, ``least`` or more."""
+    count = int(size.segments)
+    half = count // 2
+    if half < least:
+        return ()
+    return (Comparison(size._replace(segments=half), 1.0 / ((count / half) ** 2 - 1.0), "model_error"),)
 
 
-def flow_margin(prepared: Prepared, velocity: Sequence[float], turn: float) -> float:
-    """1 - |V1|/V0 at the towpoint, for its velocity, m/s, and the turn of the cable there, rad."""
-    phi, c = prepared.top_angle, prepared.tow.speed
-    cosine, sine = math.cos(phi), math.sin(phi)
-    change = velocity[0] * cosine + velocity[1] * sine - c * turn * sine
-    return 1.0 - abs(change) / max(abs(c * cosine), 1e-6 * c)
+def setup_requirements(p: Any, constants: Constants, ops: Ops) -> tuple[Condition, ...]:
+    """What a tow in equilibrium fulfils."""
+    return ((ops.minimum(constants.least_tension, BALANCE - constants.imbalance), f"a segment {OUTSIDE}"),)
 
 
-def speed_margin(tow_speed: float, limit: float, *velocities: Sequence[float]) -> float:
-    """1 - v/(limit c) for the largest of the velocities."""
-    return 1.0 - max(math.hypot(v[0], v[1]) for v in velocities) / (limit * tow_speed)
+def untunable(p: LinearParameters) -> str:
+    """Why parameters may not change while the unit runs; empty if they may, and the state is kept."""
+    if p.reduced > 0.5 or p.segments < 0.5:
+        return (
+            "parameters of the tow may change between steps with reduced = 0 and a fixed number of segments only: the "
+            "states of another reduced model mean something else"
+        )
+    return ""
+
+
+def profile(y: Sequence[Value], c: Constants, ops: Ops) -> tuple[Value, Value, tuple[Value, ...]]:
+    """(margin of slack, margin of the quadrant, tensions of the segments, N)."""
+    middle = (PROFILE + len(y)) // 2
+    change, turned = y[PROFILE:middle], y[middle:]
+    slack = 1.0 - ops.maximum(extreme(change, max, ops), -extreme(change, min, ops))
+    tensions = tuple(t * (1.0 + v) for t, v in zip(c.steady_tension, change))
+    return slack, 1.0 - ops.maximum(0.0, extreme(turned, max, ops)), tensions
+
+
+def extreme(values: Sequence[Value], which: Callable[..., Any], ops: Ops) -> Value:
+    """The ``max`` or ``min`` of ``values``."""
+    # for floats what `reduce` gives, at a tenth of the time
+    return which(values) if ops is FLOATS else reduce(ops.maximum if which is max else ops.minimum, values)
+
+
+def flow_margin(y: Sequence[Value], velocity: Sequence[Value], speed: Value, c: Constants, ops: Ops) -> Value:
+    """1 - |V1|/V0 at the towpoint, for its velocity, m/s; the cable turns there with its last segment."""
+    change = velocity[0] * c.top_cosine + velocity[1] * c.top_sine - speed * c.top_turn * y[-1] * c.top_sine
+    return 1.0 - ops.abs(change) / (speed * ops.maximum(ops.abs(c.top_cosine), 1e-6))
+
+
+def speed_margin(velocity: Sequence[Value], speed: Value, limit: Value, ops: Ops) -> Value:
+    """1 - v/(limit c)."""
+    return 1.0 - ops.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1]) / (limit * speed)

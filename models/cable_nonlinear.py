@@ -2,7 +2,7 @@
 
     M(r) v' = f(r, v),   (r - r_N)' = v - v_N,   v_N(t) the velocity of the towpoint through the water
 
-Forces and inertia are those of ``cable_lumped.py``, without linearisation: large angles, both quadrants and beyond,
+Forces and inertia are those of ``cable_forces.py``, without linearisation: large angles, both quadrants and beyond,
 slack (a segment never pushes). Drag of the body is D_B |v| v/c^2 where ``quadratic_drag``, else constant plus its
 linear damping; v_N = (c, 0) plus the input. Positions are relative to the towpoint: nothing depends on where it is.
 
@@ -28,7 +28,8 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from .cable_case import CableError, Tow
-from .cable_lumped import COMPLEX_STEP, Chain, equilibrium, node_mass, segment_forces
+from .cable_forces import COMPLEX_STEP, node_mass, segment_forces
+from .cable_lumped import Chain, equilibrium
 from .cable_steady import Array
 
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
@@ -109,6 +110,11 @@ class NonlinearCable:
         d = self.chain.tow.sign * np.diff(np.concatenate([state[0], np.zeros((2, 1))], axis=1), axis=1)
         phi: Array = np.arctan2(d[1], d[0])
         return phi
+
+    def stream_angles(self, state: Array) -> Array:
+        """Angle of every segment from the direction of the stream, rad, (N,): phi in Quadrant I, pi - phi in II."""
+        phi = self.angles(state)
+        return phi if self.chain.tow.sign > 0.0 else math.pi - phi
 
     def towpoint_force(self, state: Array, inputs: Array, acceleration: Array) -> Array:
         """Force of the cable on the towpoint, N, (2,), for the inputs, and the acceleration of the towpoint, m/s2."""

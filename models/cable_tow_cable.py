@@ -1,6 +1,6 @@
 """Elastic tow cable alone: velocities of both ends in, forces on both ends out.
 
-    x' = A x + B (u, d),  d' = v_body - v_top,  y = C x + D (u, d) + E (u, d)'        (``cable_linear.py``)
+    x' = A x + B v,  v = (u_top, d, d'),  d' = u_body - u_top,  y = C x + D v + E v'        (``cable_linear.py``)
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -22,33 +22,64 @@ Source: small-perturbation report on towed cables, in the time domain by ``cable
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from .cable_case import CableError
+from .cable_case import CableError, Condition
 from .cable_fidelity import choose
-from .cable_linear_unit import Prepared, flow_margin, observe, speed_margin, step_of
-from .cable_parameters import TowParameters, tow_of
-from .ops import Ops
+from .cable_linear import BODY_VELOCITY, PROFILE, LinearModel, cable_model
+from .cable_linear_unit import (
+    EXTRA,
+    Constants,
+    TowUnit,
+    chosen_setup,
+    flow_margin,
+    halved,
+    profile,
+    setup_of,
+    setup_requirements,
+    speed_margin,
+    untunable,
+)
+from .cable_lumped import hang, matrices
+from .cable_parameters import LinearParameters, Modes, integral, tow_of, tow_requirements, traced_tow
+from .linear_unit import remembered
+from .matrix_ops import MatrixOps, numbers
+from .ops import Ops, Value
+from .state_space import Reduction, Setup, Study
 
-INPUTS = 4
+__all__ = ["EXTRA", "Constants", "Modes", "setup_requirements", "untunable"]
+OFFSET = slice(2, 4)
+"""Where the offset is among the inputs v."""
+FEWEST = 2
+"""Segments that a cable between two prescribed ends needs."""
 
 
 @dataclass(frozen=True)
-class Parameters(TowParameters):
-    """SI. ``segments`` 0: as many as ``tolerance`` needs up to ``band``, rad/s."""
-
-    segments: float
-    tolerance: float
-    band: float
-    reduced: float
+class Parameters(LinearParameters):
+    """SI."""
 
 
-class Modes(NamedTuple):
-    """No branches."""
+class Size(NamedTuple):
+    """What fixes the number of states."""
+
+    segments: float = 20.0
+
+
+STRUCTURE = Size._fields
+
+
+class Own(NamedTuple):
+    """Displacement of the body relative to the towpoint, m, and second derivatives of the inputs over the last step."""
+
+    offset_surge: Value
+    offset_heave: Value
+    top_velocity_surge_d2: Value
+    top_velocity_heave_d2: Value
+    body_velocity_surge_d2: Value
+    body_velocity_heave_d2: Value
 
 
 class Inputs(NamedTuple):
@@ -95,21 +126,103 @@ class Calculated(NamedTuple):
     model_error: float
 
 
-@lru_cache(maxsize=16)
-def prepare(p: Parameters) -> Prepared:
-    """The model for the parameters. Raises `CableError`."""
-    tow = tow_of(p)
-    chosen = choose(tow, True, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, with_body=False)
-    return Prepared(tow, chosen, 4)
+def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
+    """What the parameters must fulfil."""
+    elastic = (
+        p.axial_stiffness,
+        "axial_stiffness is 0: a cable of constant length between two prescribed ends is over-determined as it "
+        "straightens; expected a positive axial stiffness EA, or the unit tow_system",
+    )
+    return elastic, *tow_requirements(p, ops)
+
+
+def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
+    """The full model of ``size``."""
+    tow = traced_tow(p, ops.scalars)
+    return _setup(cable_model(matrices(hang(tow, int(size.segments), ops), True, ops), ops), ops)
+
+
+def _setup(model: LinearModel, ops: MatrixOps) -> Setup:
+    """Inputs (velocity of both ends together, offset, its rate) for those of `cable_elastic`: the first four tell on their
+    own how good the model is. A velocity of one end without its offset meets the last half segment's drag alone."""
+    one, none = np.eye(2), np.zeros((2, 2))
+    turn = ops.constant(np.block([[one, none, none], [one, none, one], [none, one, none]]))
+    together = replace(model, b=model.b @ turn, d=model.d @ turn, e=model.e @ turn)
+    return setup_of(together, together.d[BODY_VELOCITY, OFFSET], 4.0, ops)
+
+
+def study(size: Size) -> Study:
+    """Reduction, error of the segments."""
+    direct = "direct", BODY_VELOCITY.start, OFFSET.start
+    return Study(Reduction(True, "measured_inputs", "states", "model_error", direct), halved(size, FEWEST))
+
+
+def drive(
+    own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Sequence[Value], ...]:
+    """Velocity of the towpoint, offset, of degree 4, and its rate."""
+    rates = [[b - a for a, b in zip(top, body)] for top, body in zip(cubics[:2], cubics[2:])]
+    offsets = [[start, *(a / k for k, a in enumerate(rate, 1))] for start, rate in zip(own, rates)]
+    return *([*a, 0.0] for a in cubics[:2]), *offsets, *([*a, 0.0] for a in rates)
+
+
+def own_after(
+    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Value, ...]:
+    """`Own` after a step of ``h``, s."""
+    moved = [start + integral(h, body) - integral(h, top) for start, top, body in zip(own, cubics[:2], cubics[2:])]
+    return (*moved, *(2.0 * a[2] + 6.0 * a[3] * h for a in cubics))
+
+
+def own_rates(
+    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Value, ...]:
+    """Rates of `Own`; nothing tells those of the second derivatives."""
+    return u[2] - u[0], u[3] - u[1], 0.0, 0.0, 0.0, 0.0
+
+
+def core(
+    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Sequence[Value], Sequence[Value], Sequence[Value]]:
+    """Velocity of the towpoint, offset and its rate, and their derivatives."""
+    rate, second, third = ((w[2] - w[0], w[3] - w[1]) for w in (u, du, own[2:]))
+    return (u[0], u[1], own[0], own[1], *rate), (du[0], du[1], *rate, *second), (own[2], own[3], *second, *third)
+
+
+def observe(
+    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
+    du: Sequence[Value], growth: Value, p: Parameters, constants: Constants, ops: Ops,
+) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
+    """All observables, and the tensions of the segments, N."""
+    slack, quadrant, tensions = profile(y, constants, ops)
+    speeds = [speed_margin(end, p.tow_speed, p.perturbation_limit, ops) for end in (u[:2], u[2:])]
+    return Outputs(
+        -y[0], -y[1], y[2], y[3], constants.tension_top + y[7], constants.tension_body + y[6], own[0], own[1],
+        ops.minimum(speeds[0], speeds[1]), slack, flow_margin(y, u, p.tow_speed, constants, ops), quadrant,
+        1.0 - constants.model_error / p.tolerance, -y_rate[0], -y_rate[1], y_rate[2], y_rate[3], y_rate[7],
+    ), tensions  # fmt: skip
+
+
+def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
+    """``port_stiffness``: the largest force on the body at once per displacement of it."""
+    c = constants
+    xx, xy, yx, yy = c.direct
+    # largest singular value
+    turning, stretching = (xx + yy, xy - yx), (xx - yy, xy + yx)
+    largest = sum(ops.sqrt(a * a + b * b) for a, b in (turning, stretching))
+    return Calculated(0.5 * largest, c.tension_top, c.tension_body, c.states, c.segments, c.model_error)
+
+
+@remembered
+def prepare(p: Parameters) -> TowUnit:
+    """The unit with the model that the parameters ask for. Raises `CableError`."""
+    chosen = choose(tow_of(p), True, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, with_body=False)
+    made = chosen_setup(_setup(chosen.model, numbers()), chosen)
+    return TowUnit(made, p, drive, own_after, core, observe, order=4, rates=PROFILE, chosen=chosen)
 
 
 def problem(p: Parameters) -> str:
-    """Why the parameters make no sense; empty if they do."""
-    if not p.axial_stiffness > 0.0:
-        return (
-            "axial_stiffness is 0: a cable of constant length between two prescribed ends is over-determined as it "
-            "straightens; expected a positive axial stiffness EA, or the unit tow_system"
-        )
+    """Why there is no such tow; empty if there is."""
     try:
         prepare(p)
     except CableError as error:
@@ -119,49 +232,24 @@ def problem(p: Parameters) -> str:
 
 def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
     """The steady tow."""
-    return (0.0,) * (len(prepare(p).model.a) + 2 + INPUTS), Modes()
+    return (0.0,) * (prepare(p).states + len(Own._fields)), Modes()
 
 
 def advance(
     t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
 ) -> tuple[float, ...]:
     """Exact step of length ``h``, s; the offset is a polynomial of degree 4 over it."""
-    prepared = prepare(p)
-    n = len(prepared.model.a)
-    c = np.zeros((5, 6))
-    c[:4, :4] = np.array(coefficients).T
-    c[0, 4:] = x[n : n + 2]
-    c[1:, 4:] = (c[:4, 2:4] - c[:4, 0:2]) / np.array([[1.0], [2.0], [3.0], [4.0]])
-    after = step_of(prepared, h).advance(np.array(x[:n]), c)
-    powers = np.array([1.0, h, h * h, h**3, h**4])
-    second = [2.0 * a[2] + 6.0 * a[3] * h for a in coefficients]
-    return (*after.tolist(), *(powers @ c[:, 4:]).tolist(), *second)
+    return prepare(p).advance(h, x, coefficients)
 
 
 def outputs(
     t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
 ) -> Outputs:
     """All observables."""
-    prepared = prepare(p)
-    n = len(prepared.model.a)
-    offset, second = x[n : n + 2], x[n + 2 :]
-    all_u = (*u, *offset)
-    all_du = (*du, u[2] - u[0], u[3] - u[1])
-    y, rate, slack, quadrant = observe(prepared, x[:n], all_u, all_du, (*second, du[2] - du[0], du[3] - du[1]))
-    body, top = prepared.end_tension
-    turn = float(prepared.values[-1] @ np.array([*x[:n], *all_u, *all_du]))
-    return Outputs(
-        -y[0], -y[1], y[2], y[3], top + y[7], body + y[6], offset[0], offset[1],
-        speed_margin(p.tow_speed, p.perturbation_limit, u[:2], u[2:]), slack, flow_margin(prepared, u, turn), quadrant,
-        1.0 - prepared.chosen.error / p.tolerance, -rate[0], -rate[1], rate[2], rate[3], rate[7],
-    )  # fmt: skip
+    found: Outputs = prepare(p).outputs(t, x, u, du)[0]
+    return found
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
-    """``port_stiffness``: the largest force on the body at once per displacement of it."""
-    prepared = prepare(p)
-    direct = prepared.model.d[2:4, 4:6]
-    return Calculated(
-        float(np.linalg.norm(direct, 2)), prepared.end_tension[1], prepared.end_tension[0],
-        float(len(prepared.model.a)), float(prepared.chosen.nodes), prepared.chosen.error,
-    )  # fmt: skip
+    """What was chosen and found at the start."""
+    return describe(p, prepare(p).setup.constants, ops)

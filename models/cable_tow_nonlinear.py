@@ -15,18 +15,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from .cable_case import CableError
-from .cable_linear import steady_towpoint_force
-from .cable_lumped import equilibrium
+from .cable_case import CableError, Condition
+from .cable_lumped import equilibrium, steady_towpoint_force
 from .cable_nonlinear import NonlinearCable
-from .cable_parameters import TowParameters, stream_angles, tow_of
+from .cable_parameters import Modes, TowParameters, TowpointInputs, integral, tow_of, tow_requirements
 from .cable_steady import Array
+from .linear_unit import remembered
 from .ops import Ops
+
+Inputs = TowpointInputs
 
 
 @dataclass(frozen=True)
@@ -35,19 +36,6 @@ class Parameters(TowParameters):
 
     segments: float
     internal_step: float
-
-
-class Modes(NamedTuple):
-    """No branches: a slack segment is one that pulls nothing."""
-
-
-class Inputs(NamedTuple):
-    """As of ``cable_tow_system.py``."""
-
-    velocity_surge: float
-    velocity_heave: float
-    body_drag_change: float
-    body_lift_change: float
 
 
 class Outputs(NamedTuple):
@@ -76,17 +64,30 @@ class Calculated(NamedTuple):
     steady_tension_body: float
 
 
-@lru_cache(maxsize=16)
-def prepare(p: Parameters) -> tuple[NonlinearCable, Array]:
-    """(the discretised tow, steady force on the towpoint, N). Raises `CableError`."""
+def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
+    """What the parameters must fulfil."""
+    return (*tow_requirements(p, ops), (p.internal_step, "internal_step: expected a positive number of seconds"))
+
+
+class Prepared(NamedTuple):
+    """The discretised tow; its steady force on the towpoint, N, (2,), and least angle to the stream, rad."""
+
+    cable: NonlinearCable
+    steady: Array
+    room: float
+
+
+@remembered
+def prepare(p: Parameters) -> Prepared:
+    """What follows from the parameters. Raises `CableError`."""
     cable = NonlinearCable(equilibrium(tow_of(p), int(p.segments)), p.body_quadratic_drag > 0.5)
-    return cable, steady_towpoint_force(cable.chain)
+    return Prepared(
+        cable, np.array(steady_towpoint_force(cable.chain)), float(cable.stream_angles(cable.start()).min())
+    )
 
 
 def problem(p: Parameters) -> str:
-    """Why the parameters make no sense; empty if they do."""
-    if not p.internal_step > 0.0:
-        return f"internal_step is {p.internal_step:g} s: expected a positive number"
+    """Why there is no such tow; empty if there is."""
     try:
         prepare(p)
     except CableError as error:
@@ -96,7 +97,7 @@ def problem(p: Parameters) -> str:
 
 def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
     """The steady tow."""
-    return (*prepare(p)[0].start().ravel().tolist(), 0.0, 0.0), Modes()
+    return (*prepare(p).cable.start().ravel().tolist(), 0.0, 0.0), Modes()
 
 
 def _state(x: Sequence[float]) -> Array:
@@ -107,7 +108,7 @@ def advance(
     t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
 ) -> tuple[float, ...]:
     """Step of length ``h``, s. Raises `CableError` where an implicit step fails."""
-    cable, _ = prepare(p)
+    cable = prepare(p).cable
     c = np.array(coefficients)
     # drag acts aft
     c[2] *= -1.0
@@ -120,10 +121,7 @@ def advance(
     state = _state(x)
     for k in range(count):
         state = cable.step(k * h / count, h / count, state, motion)
-    moved = [
-        x[len(x) - 2 + i] + h * (a[0] + h * (a[1] / 2.0 + h * (a[2] / 3.0 + h * a[3] / 4.0)))
-        for i, a in enumerate(coefficients[:2])
-    ]
+    moved = [s + integral(h, a) for s, a in zip(x[-2:], coefficients)]
     return (*state.ravel().tolist(), *moved)
 
 
@@ -131,13 +129,12 @@ def outputs(
     t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
 ) -> Outputs:
     """All observables."""
-    cable, steady = prepare(p)
-    tow, state = cable.chain.tow, _state(x)
+    cable, steady, start = prepare(p)
+    state = _state(x)
     force = cable.towpoint_force(state, np.array([u[0], u[1], -u[2], u[3]]), np.array([du[0], du[1]]))
     tensions = cable.tensions(state)
-    room = min(stream_angles(tow, cable.angles(state).tolist()))
-    start = min(stream_angles(tow, cable.angles(cable.start()).tolist()))
-    velocity = state[1, :, 0] - np.array([tow.speed, 0.0])
+    room = float(cable.stream_angles(state).min())
+    velocity = state[1, :, 0] - np.array([cable.chain.tow.speed, 0.0])
     offset = state[0, :, 0] - (cable.chain.nodes[0] - cable.chain.nodes[-1])
     least = float((tensions / cable.chain.tension).min())
     return Outputs(
@@ -150,6 +147,6 @@ def outputs(
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Of the steady tow; ``port_mass``: half of the last segment."""
-    cable, steady = prepare(p)
+    cable, steady, _ = prepare(p)
     mass = cable.mass(cable.start()[0])[-1]
     return Calculated(float(mass[1, 1]), float(np.linalg.norm(steady)), cable.chain.tow.end_tension)

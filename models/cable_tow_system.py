@@ -17,42 +17,61 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
-import numpy as np
-
-from .cable_case import CableError
+from .cable_case import CableError, Condition, Tow
 from .cable_fidelity import choose
-from .cable_linear_unit import Prepared, flow_margin, observe, speed_margin, step_of
-from .cable_parameters import TowParameters, tow_of
-from .ops import Ops
+from .cable_linear import FORCE, PROFILE, LinearModel, elastic_model, rigid_model
+from .cable_linear_unit import (
+    EXTRA,
+    Constants,
+    TowUnit,
+    chosen_setup,
+    flow_margin,
+    halved,
+    profile,
+    setup_of,
+    setup_requirements,
+    speed_margin,
+    untunable,
+)
+from .cable_lumped import hang, matrices
+from .cable_parameters import LinearParameters, Modes, TowpointInputs, integral, tow_of, tow_requirements, traced_tow
+from .linear_unit import remembered
+from .matrix_ops import MatrixOps, numbers
+from .ops import Ops, Value
+from .state_space import Comparison, Reduction, Setup, Study
 
-INPUTS = 4
+__all__ = ["EXTRA", "Constants", "Modes", "setup_requirements", "untunable"]
+Inputs = TowpointInputs
 
 
 @dataclass(frozen=True)
-class Parameters(TowParameters):
-    """SI. ``segments`` 0: as many as ``tolerance`` needs up to ``band``, rad/s; ``extensible`` 1: with EA."""
+class Parameters(LinearParameters):
+    """SI. ``extensible`` 1: with EA."""
 
     extensible: float
-    segments: float
-    tolerance: float
-    band: float
-    reduced: float
 
 
-class Modes(NamedTuple):
-    """No branches."""
+class Size(NamedTuple):
+    """What fixes the number of states. 20 segments: 1 % of the force at 0.2 Hz on a cable of 120 m."""
+
+    segments: float = 20.0
+    extensible: float = 0.0
 
 
-class Inputs(NamedTuple):
-    """Velocity of the towpoint in the towing frame, m/s, forward and up; change of body drag (aft) and lift, N."""
+STRUCTURE = Size._fields
 
-    velocity_surge: float
-    velocity_heave: float
-    body_drag_change: float
-    body_lift_change: float
+
+class Own(NamedTuple):
+    """Displacement of the towpoint, m, and second derivatives of the inputs over the last step."""
+
+    towpoint_surge: Value
+    towpoint_heave: Value
+    velocity_surge_d2: Value
+    velocity_heave_d2: Value
+    body_drag_change_d2: Value
+    body_lift_change_d2: Value
 
 
 class Outputs(NamedTuple):
@@ -98,18 +117,111 @@ class Calculated(NamedTuple):
     inextensible_error: float
 
 
-@lru_cache(maxsize=16)
-def prepare(p: Parameters) -> Prepared:
-    """The model for the parameters. Raises `CableError`."""
+def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
+    """What the parameters must fulfil."""
+    elastic = (
+        ops.where(p.extensible > 0.5, p.axial_stiffness, 1.0),
+        "extensible is 1 and axial_stiffness 0: expected a positive axial stiffness EA",
+    )
+    return (*tow_requirements(p, ops), elastic)
+
+
+def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
+    """The full model of ``size``."""
+    tow = traced_tow(p, ops.scalars, extensible=size.extensible > 0.5)
+    elastic = size.extensible > 0.5
+    found = matrices(hang(tow, int(size.segments), ops), elastic, ops)
+    return _setup(elastic_model(found, ops) if elastic else rigid_model(found, ops), tow, ops)
+
+
+def _setup(model: LinearModel, tow: Tow, ops: MatrixOps) -> Setup:
+    # in Quadrant I the towpoint drives the tow, in II forces on the body do too
+    return setup_of(model, -model.e[FORCE, :2], 3.0 - tow.sign, ops)
+
+
+def study(size: Size) -> Study:
+    """Reduction, error of the segments, error of leaving EA out."""
+    elastic = size.extensible > 0.5
+    stretched = Comparison(
+        size._replace(extensible=1.0), 1.0, "inextensible_error", truer=True, when=lambda p, ops: p.axial_stiffness
+    )
+    return Study(
+        Reduction(elastic, "measured_inputs", "states", "model_error"),
+        halved(size, 1) + (() if elastic else (stretched,)),
+    )
+
+
+def _signed(u: Sequence[Value]) -> tuple[Value, ...]:
+    # drag acts aft: the model's force is forward
+    return u[0], u[1], -u[2], u[3]
+
+
+def drive(
+    own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Sequence[Value], ...]:
+    """Velocities and forces."""
+    surge, heave, drag, lift = cubics
+    return surge, heave, [-a for a in drag], lift
+
+
+def own_after(
+    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Value, ...]:
+    """`Own` after a step of ``h``, s."""
+    moved = (own[0] + integral(h, cubics[0]), own[1] + integral(h, cubics[1]))
+    return (*moved, *(2.0 * a[2] + 6.0 * a[3] * h for a in cubics))
+
+
+def own_rates(
+    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Value, ...]:
+    """Rates of `Own`; nothing tells those of the second derivatives."""
+    return u[0], u[1], 0.0, 0.0, 0.0, 0.0
+
+
+def core(
+    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Sequence[Value], Sequence[Value], Sequence[Value]]:
+    """Velocities and forces and their derivatives."""
+    return _signed(u), _signed(du), _signed(own[2:])
+
+
+def observe(
+    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
+    du: Sequence[Value], growth: Value, p: Parameters, constants: Constants, ops: Ops,
+) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
+    """All observables, and the tensions of the segments, N."""
+    slack, quadrant, tensions = profile(y, constants, ops)
+    return Outputs(
+        -y[0], -y[1], constants.tension_top + y[7], constants.tension_body + y[6], own[0] + y[4], own[1] + y[5], y[2],
+        y[3], speed_margin(u, p.tow_speed, p.perturbation_limit, ops), slack,
+        flow_margin(y, u, p.tow_speed, constants, ops), quadrant,
+        1.0 - constants.model_error / p.tolerance, 1.0 - constants.inextensible_error / p.tolerance,
+        -y_rate[0], -y_rate[1], y_rate[7], y_rate[4] + u[0], y_rate[5] + u[1], y_rate[2], y_rate[3],
+    ), tensions  # fmt: skip
+
+
+def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
+    """What was chosen and found at the start."""
+    c = constants
+    surge, coupling, _, heave = c.direct
+    return Calculated(
+        heave, surge, coupling, heave, c.tension_top, c.tension_body, c.body_surge, c.body_heave, c.states, c.segments,
+        c.model_error, c.inextensible_error,
+    )  # fmt: skip
+
+
+@remembered
+def prepare(p: Parameters) -> TowUnit:
+    """The unit with the model that the parameters ask for. Raises `CableError`."""
     tow = tow_of(p)
     chosen = choose(tow, p.extensible > 0.5, p.band, p.tolerance, int(p.segments), p.reduced > 0.5)
-    return Prepared(tow, chosen, 3)
+    made = chosen_setup(_setup(chosen.model, tow, numbers()), chosen)
+    return TowUnit(made, p, drive, own_after, core, observe, rates=PROFILE, chosen=chosen)
 
 
 def problem(p: Parameters) -> str:
-    """Why the parameters make no sense; empty if they do."""
-    if p.extensible > 0.5 and not p.axial_stiffness > 0.0:
-        return "extensible is 1 and axial_stiffness 0: expected a positive axial stiffness EA"
+    """Why there is no such tow; empty if there is."""
     try:
         prepare(p)
     except CableError as error:
@@ -119,59 +231,24 @@ def problem(p: Parameters) -> str:
 
 def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
     """The steady tow."""
-    return (0.0,) * (len(prepare(p).model.a) + 2 + INPUTS), Modes()
+    return (0.0,) * (prepare(p).states + len(Own._fields)), Modes()
 
 
 def advance(
     t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
 ) -> tuple[float, ...]:
     """Exact step of length ``h``, s."""
-    prepared = prepare(p)
-    n = len(prepared.model.a)
-    c = np.array(coefficients).T
-    # drag acts aft: the model's force is forward
-    c[:, 2] *= -1.0
-    after = step_of(prepared, h).advance(np.array(x[:n]), c)
-    moved = [
-        x[n + i] + h * (a[0] + h * (a[1] / 2.0 + h * (a[2] / 3.0 + h * a[3] / 4.0)))
-        for i, a in enumerate(coefficients[:2])
-    ]
-    second = [2.0 * a[2] + 6.0 * a[3] * h for a in coefficients]
-    return (*after.tolist(), *moved, *second)
+    return prepare(p).advance(h, x, coefficients)
 
 
 def outputs(
     t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
 ) -> Outputs:
     """All observables."""
-    prepared = prepare(p)
-    n = len(prepared.model.a)
-    second = x[n + 2 :]
-    signed = [(v[0], v[1], -v[2], v[3]) for v in (u, du, second)]
-    y, rate, slack, quadrant = observe(prepared, x[:n], *signed)
-    body, top = prepared.end_tension
-    chosen = prepared.chosen
-    # the cable at the towpoint turns with the last segment
-    turn = float(prepared.values[-1] @ np.array([*x[:n], *signed[0], *signed[1]]))
-    return Outputs(
-        -y[0], -y[1], top + y[7], body + y[6], x[n] + y[4], x[n + 1] + y[5], y[2], y[3],
-        speed_margin(p.tow_speed, p.perturbation_limit, u), slack, flow_margin(prepared, u, turn), quadrant,
-        1.0 - chosen.error / p.tolerance, 1.0 - chosen.inextensible_error / p.tolerance,
-        -rate[0], -rate[1], rate[7],
-        rate[4] + u[0],
-        rate[5] + u[1],
-        rate[2], rate[3],
-    )  # fmt: skip
+    found: Outputs = prepare(p).outputs(t, x, u, du)[0]
+    return found
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
     """What was chosen and found at the start."""
-    prepared = prepare(p)
-    chosen, chain = prepared.chosen, prepared.model.chain
-    mass = prepared.model.apparent_mass
-    body = chain.nodes[0] - chain.nodes[-1]
-    return Calculated(
-        float(mass[1, 1]), float(mass[0, 0]), float(mass[0, 1]), float(mass[1, 1]), prepared.end_tension[1],
-        prepared.end_tension[0], float(body[0]), float(body[1]), float(len(prepared.model.a)), float(chosen.nodes),
-        chosen.error, chosen.inextensible_error,
-    )  # fmt: skip
+    return describe(p, prepare(p).setup.constants, ops)

@@ -137,11 +137,10 @@ def margin_drag_reynolds(velocity: Value, docked: Value, p: Parameters, ops: Ops
     return 1.0 - drag_factor(docked, p, ops) * slow * slow / (REYNOLDS_SHARE * load)
 
 
-def problem(p: Parameters) -> str | None:
-    """What is wrong with the parameters taken together, or None."""
-    if p.docking_time >= 0.0 and p.submersible_mass == 0.0:
-        return "docking_time is set but submersible_mass is 0: give the mass that docks, or a negative docking_time"
-    return None
+def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+    """What docks has a mass."""
+    text = "docking_time is set but submersible_mass is 0: give the mass that docks, or a negative docking_time"
+    return ((ops.where(p.docking_time >= 0.0, p.submersible_mass, 1.0), text),)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

@@ -81,9 +81,9 @@ def _line(y: Value, u: Inputs, taut: Value, p: Parameters, ops: Ops) -> tuple[Va
     return spring_line.pull(e, taut, k, 1.0, ops), e
 
 
-def problem(p: Parameters) -> str | None:
-    """What is wrong with the parameters taken together, or None."""
-    return spring_line.stiffness_problem(p) or cradle.problem(p)
+def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+    """Those of both parts."""
+    return spring_line.requirements(p, ops) + cradle.requirements(p, ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

@@ -8,18 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
-from .ops import FLOATS, Ops, symbols
+from .ops import FLOATS, Ops, arrays, symbols
 
 Matrix = Any
 """A two-dimensional numpy array or a CasADi matrix."""
+Step = Callable[[tuple[Any, ...], tuple[Any, ...], Ops], Sequence[Any]]
+"""(state, constants, ops) -> state."""
 
 
 @dataclass(frozen=True)
 class MatrixOps:
-    """``matrix(rows)`` builds a matrix from scalars row by row; ``solve(a, b)`` is a^-1 b; ``scalars`` spells what is done
-    with single elements."""
+    """``matrix(rows)`` builds a matrix from scalars row by row; ``solve(a, b)`` is a^-1 b; ``scalars`` and ``vectors``
+    spell what is done with single elements and, element by element, with vectors: one-dimensional arrays, or columns.
+    ``column`` makes a column of a vector, ``diagonal`` a diagonal matrix, ``elements`` a tuple of scalars; ``constant``
+    takes an array of numbers.
+
+    ``march(step, start, constants, count)`` applies ``step(state, constants, ops) -> state`` on tuples of scalars ``count``
+    times and returns every component's values as a vector; a trace holds the text of ``step`` once."""
 
     zeros: Callable[[int, int], Matrix]
     eye: Callable[[int], Matrix]
@@ -27,9 +35,16 @@ class MatrixOps:
     vstack: Callable[[Sequence[Matrix]], Matrix]
     hstack: Callable[[Sequence[Matrix]], Matrix]
     solve: Callable[[Matrix, Matrix], Matrix]
+    constant: Callable[[Any], Matrix]
+    column: Callable[[Any], Matrix]
+    diagonal: Callable[[Any], Matrix]
+    elements: Callable[[Any], tuple[Any, ...]]
+    march: Callable[[Step, Sequence[Any], Sequence[Any], int], list[Any]]
     scalars: Ops
+    vectors: Ops
 
 
+@cache
 def numbers() -> MatrixOps:
     """On numpy arrays."""
     import numpy as np
@@ -37,12 +52,20 @@ def numbers() -> MatrixOps:
     def matrix(rows: Sequence[Sequence[Any]]) -> Matrix:
         return np.array(rows, dtype=float)
 
+    def march(step: Step, start: Sequence[Any], constants: Sequence[Any], count: int) -> list[Any]:
+        states, fixed = [tuple(map(float, start))], tuple(map(float, constants))
+        for _ in range(count):
+            states.append(tuple(step(states[-1], fixed, FLOATS)))
+        return [np.array(values) for values in zip(*states[1:])]
+
     return MatrixOps(
         zeros=lambda n, m: np.zeros((n, m)), eye=np.eye, matrix=matrix, vstack=np.vstack, hstack=np.hstack,
-        solve=np.linalg.solve, scalars=FLOATS,
+        solve=np.linalg.solve, constant=np.asarray, column=lambda v: v[:, None], diagonal=np.diag, elements=tuple, march=march,
+        scalars=FLOATS, vectors=arrays(),
     )  # fmt: skip
 
 
+@cache
 def traces() -> MatrixOps:
     """On CasADi MX matrices."""
     import casadi as ca
@@ -50,7 +73,18 @@ def traces() -> MatrixOps:
     def matrix(rows: Sequence[Sequence[Any]]) -> Matrix:
         return ca.vertcat(*(ca.horzcat(*row) for row in rows))
 
+    def march(step: Step, start: Sequence[Any], constants: Sequence[Any], count: int) -> list[Any]:
+        state, fixed = ca.SX.sym("state", len(start)), ca.SX.sym("constants", len(constants))
+        after = ca.vertcat(*step(tuple(ca.vertsplit(state)), tuple(ca.vertsplit(fixed)), symbols()))
+        once = ca.Function(step.__name__, [state, fixed], [ca.densify(after)])
+        found = once.mapaccum(count)(ca.vertcat(*start), ca.repmat(ca.vertcat(*constants), 1, count))
+        return [found[i, :].T for i in range(len(start))]
+
+    # dense throughout: patterns of zeros would cost more text than they save time
     return MatrixOps(
-        zeros=ca.MX.zeros, eye=ca.MX.eye, matrix=matrix, vstack=lambda parts: ca.vertcat(*parts),
-        hstack=lambda parts: ca.horzcat(*parts), solve=lambda a, b: ca.solve(a, b, "qr"), scalars=symbols(),
+        zeros=lambda n, m: ca.MX(ca.DM.zeros(n, m)), eye=lambda n: ca.MX(ca.DM.eye(n).full()), matrix=matrix,
+        vstack=lambda parts: ca.vertcat(*parts), hstack=lambda parts: ca.horzcat(*parts),
+        solve=lambda a, b: ca.solve(a, b, "qr"), constant=lambda values: ca.MX(ca.DM(values)), column=lambda v: v,
+        diagonal=lambda v: ca.densify(ca.diag(v)),
+        elements=lambda v: tuple(v[i] for i in range(v.numel())), march=march, scalars=symbols(), vectors=symbols(),
     )  # fmt: skip

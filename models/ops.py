@@ -19,6 +19,11 @@ NEVER = 1e300
 """The time of an event that will not happen, s: finite, so that no port ever carries an infinity."""
 
 
+def not_spelled(*values: Value) -> Value:
+    """Stands for an operation that a kind of value does not have."""
+    raise NotImplementedError("this kind of value does not have this operation")
+
+
 @dataclass(frozen=True)
 class Ops:
     """The operations that model functions use. ``where(condition, a, b)`` is a where the condition holds, else b."""
@@ -32,6 +37,7 @@ class Ops:
     minimum: Callable[[Value, Value], Value]
     maximum: Callable[[Value, Value], Value]
     where: Callable[[Value, Value, Value], Value]
+    log1p: Callable[[Value], Value] = not_spelled
 
 
 FLOATS = Ops(
@@ -44,6 +50,7 @@ FLOATS = Ops(
     minimum=lambda a, b: a if a < b else b,
     maximum=lambda a, b: a if a > b else b,
     where=lambda condition, a, b: a if condition else b,
+    log1p=math.log1p,
 )
 
 
@@ -51,11 +58,11 @@ def arrays() -> Ops:
     """Operations on numpy arrays (a batch of members in each component)."""
     import numpy as np
 
-    return Ops(np.sin, np.cos, np.exp, np.sqrt, np.abs, np.arctan2, np.minimum, np.maximum, np.where)
+    return Ops(np.sin, np.cos, np.exp, np.sqrt, np.abs, np.arctan2, np.minimum, np.maximum, np.where, np.log1p)
 
 
 def symbols() -> Ops:
     """Operations on CasADi symbols, for tracing a model to C."""
     import casadi as ca
 
-    return Ops(ca.sin, ca.cos, ca.exp, ca.sqrt, ca.fabs, ca.atan2, ca.fmin, ca.fmax, ca.if_else)
+    return Ops(ca.sin, ca.cos, ca.exp, ca.sqrt, ca.fabs, ca.atan2, ca.fmin, ca.fmax, ca.if_else, ca.log1p)

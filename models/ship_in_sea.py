@@ -210,11 +210,11 @@ def free_motion(t: float, x: Sequence[float], p: Parameters) -> tuple[float, flo
     return value, rate, acceleration, 0.5 * variance
 
 
-def problem(p: Parameters) -> str | None:
-    """What is wrong with the parameters taken together, or None."""
-    if p.spreading >= 0.0 and round(p.directions) <= round(p.spreading) + 2:
-        return f"{p.directions:g} directions do not resolve cos^2s with s = {p.spreading:g}: give more than s + 2"
-    return None
+def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+    """Enough directions for the spread (`waves`)."""
+    text = "directions do not resolve cos^2s with s = spreading: give more than spreading + 2 directions"
+    enough = round(p.directions) - round(p.spreading) - 2
+    return ((enough if p.spreading >= 0.0 else 1.0, text),)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

@@ -2,7 +2,8 @@
 
     tau^2 M q'' + tau (nu K0 + u D1 + E) q' + (K0 + u^2 K2) q = u^2 f w(t),   y(x, t) = sum q_k(t) phi_k(x/L)
 
-with the matrices of `slender_modes`, q in m, t in s, and the damping E of `slender_step`.
+with the matrices of `slender_galerkin`, q in m, t in s, and the damping E of `slender_step`. The functions are those of a
+linear model in ``docs/native.md``, core input w, schedule u.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -27,7 +28,7 @@ source of constant speed, so that energy is not conserved and a host must not ex
 | neutral_buoyancy | abs(m/M - 1) over ``buoyancy_limit`` |
 | resolution | U over ``resolved_speed``, up to which the first five modes are right to 1e-4, rigid to 5 % |
 
-Source: thesis on the towed slender body; `slender_coefficients`, `slender_modes`, `slender_rigid` for equations.
+Source: thesis on the towed slender body; `slender_coefficients`, `slender_galerkin`, `slender_rigid` for equations.
 """
 
 from __future__ import annotations
@@ -36,13 +37,15 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
+from .linear_unit import remembered
 from .ops import Ops, Value
-from .slender_plant import Parameters, growth_rate, plant, problem, resolved_speed, step_matrices
+from .slender_plant import SlenderUnit, plant
+from .slender_plant import constants as constants_of
+from .slender_setup import Constants, Parameters, Size, requirements, setup, size_of, study
 
-__all__ = ["Parameters", "State", "advance", "calculated", "initial", "outputs", "problem"]
+__all__ = ["STRUCTURE", "Parameters", "Size", "requirements", "setup", "study"]
 
+STRUCTURE = Size._fields
 PER_LENGTH = 0.1
 """Decay per body length at which the stability margin is 1."""
 
@@ -96,13 +99,90 @@ class Calculated(NamedTuple):
     towed_mass: Value
 
 
+def start(p: Parameters, constants: Constants, ops: Ops) -> tuple[tuple[Value, ...], tuple[()]]:
+    """Straight, at ``lateral_start`` and turned by ``yaw_start``, moving along the tow: (z, no own states)."""
+    rest = (0.0,) * (2 * size_of(p).functions - 2)
+    return (p.lateral_start, -p.yaw_start * p.length / math.sqrt(12.0), *rest), ()
+
+
+def schedule(u: Sequence[Value], p: Parameters, constants: Constants, ops: Ops) -> Value:
+    """The tow speed u, dimensionless. A negative one, with which no step is made, counts as none."""
+    return ops.maximum(0.0, u[0]) / constants.speed_scale
+
+
+def drive(
+    own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[Sequence[Value]]:
+    """The polynomial of the one core input, the craft's lateral position."""
+    return (cubics[1],)
+
+
+def own_after(
+    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[()]:
+    """No own states."""
+    return ()
+
+
+def own_rates(
+    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[()]:
+    """No own states."""
+    return ()
+
+
+def core(
+    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+) -> tuple[tuple[Value], tuple[Value], tuple[Value]]:
+    """(w, w', 0): y contains no w', so w'' is not asked for."""
+    return (u[1],), (du[1],), (0.0,)
+
+
+def observe(
+    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
+    du: Sequence[Value], growth: Value, p: Parameters, constants: Constants, ops: Ops,
+) -> tuple[Outputs, tuple[()]]:  # fmt: skip
+    """All observables, from the rows of `slender_setup`; a negative speed as in `schedule`."""
+    speed, w = ops.maximum(0.0, u[0]), u[1]
+    speed_rate, w_rate = du
+    tip, tail, yaw = y[0], y[1], y[2]
+    tip_rate, tail_rate, yaw_rate = y_rate[0], y_rate[1], y_rate[2]
+    tension, tension_rate = constants.pull * speed * speed, 2.0 * constants.pull * speed * speed_rate
+    angle, angle_rate = (tip - w) / p.rope_length, (tip_rate - w_rate) / p.rope_length
+    slope = ops.abs(angle)
+    for each in y[3:]:
+        slope = ops.maximum(slope, ops.abs(each))
+    moves = speed > 0.0
+    decay = ops.where(moves, -growth * p.length / (PER_LENGTH * ops.where(moves, speed, 1.0)), 1.0)
+    found = Outputs(
+        tension, tension * angle, tip, tail, angle, yaw, growth, ops.maximum(-1e9, ops.minimum(1.0, decay)),
+        1.0 - slope / p.slope_limit,
+        1.0 - ops.abs(constants.mass_share - 1.0) / p.buoyancy_limit,
+        1.0 - speed / (constants.resolved * constants.speed_scale),
+        tension_rate, tension_rate * angle + tension * angle_rate, tip_rate, tail_rate, yaw_rate,
+    )  # fmt: skip
+    return found, ()
+
+
+def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
+    """Scales of the plant."""
+    c = constants
+    return Calculated(c.time_scale, c.speed_scale, c.resolved * c.speed_scale, c.towed_mass)
+
+
+@remembered
+def ready(p: Parameters) -> SlenderUnit:
+    """The unit of a set of parameters. Raises ``ValueError`` where there is none."""
+    found = constants_of(p)
+    return SlenderUnit(
+        plant(p).setup._replace(constants=found), p, drive, own_after, core, observe, rates=3, schedule=schedule,
+        growth_below=found.fast,
+    )  # fmt: skip
+
+
 def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
-    """Straight, at ``lateral_start`` and turned by ``yaw_start``, moving along the tow. 2n states: displacements
-    times their scale, then velocities in m/tau."""
-    made = plant(p)
-    q = np.zeros(made.n)
-    q[0], q[1] = p.lateral_start, -p.yaw_start * p.length / math.sqrt(12.0)
-    return tuple((made.system.scale * q).tolist()) + (0.0,) * made.n, Modes()
+    """`start`: 2n states, displacements times their scale, then velocities in m/tau."""
+    return start(p, ready(p).constants, ops)[0], Modes()
 
 
 def advance(
@@ -110,40 +190,19 @@ def advance(
 ) -> tuple[Value, ...]:
     """Step of ``h``, s: exact for a lateral motion that is a cubic of time, with the tow speed of mid-step. Raises
     ``ValueError`` for a negative speed."""
-    (u0, u1, u2, u3), (w0, w1, w2, w3) = coefficients
-    middle = u0 + 0.5 * h * (u1 + 0.5 * h * (u2 + 0.5 * h * u3))
-    if min(u0, middle) < 0.0:
-        raise ValueError(f"tow_speed = {min(u0, middle):g} m/s: expected no negative one, the body is towed nose first")
-    f, g = step_matrices(p, middle, h)
-    z = f @ np.array(x) + g @ np.array([w0, h * w1, 2.0 * h * h * w2, 6.0 * h**3 * w3])
-    return tuple(z.tolist())
+    u0, u1, u2, u3 = coefficients[0]
+    least = min(u0, u0 + 0.5 * h * (u1 + 0.5 * h * (u2 + 0.5 * h * u3)))
+    if least < 0.0:
+        raise ValueError(f"tow_speed = {least:g} m/s: expected no negative one, the body is towed nose first")
+    return ready(p).advance(h, x, coefficients)
 
 
 def outputs(t: Value, x: Sequence[Value], m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
-    """All observables. A negative speed, which `advance` refuses, counts as none here."""
-    made = plant(p)
-    speed, w = max(0.0, u[0]), u[1]
-    speed_rate, w_rate = du
-    z = np.array(x)
-    n = made.n
-    tip, tail, yaw = (made.points @ z[:n]).tolist()
-    tip_rate, tail_rate, yaw_rate = (made.points @ (made.system.scale * z[n:]) / made.tau).tolist()
-    tension, tension_rate = made.pull * speed * speed, 2.0 * made.pull * speed * speed_rate
-    angle, angle_rate = (tip - w) / made.rope, (tip_rate - w_rate) / made.rope
-    growth = growth_rate(p, speed)
-    slope = max(abs(angle), float(np.abs(made.slopes @ z[:n]).max()))
-    stability = min(1.0, -growth * p.length / (PER_LENGTH * speed)) if speed > 0.0 else 1.0
-    return Outputs(
-        tension, tension * angle, tip, tail, angle, yaw, growth, max(-1e9, stability),
-        1.0 - slope / p.slope_limit,
-        1.0 - abs(made.mass / made.fluid - 1.0) / p.buoyancy_limit,
-        1.0 - speed / resolved_speed(p),
-        tension_rate, tension_rate * angle + tension * angle_rate, tip_rate, tail_rate, yaw_rate,
-    )  # fmt: skip
+    """`observe`."""
+    found: Outputs = ready(p).outputs(t, x, u, du)[0]
+    return found
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
-    """Scales of the plant."""
-    made = plant(p)
-    length = p.length * float(made.system.mass[0, 0])
-    return Calculated(made.tau, made.speed, resolved_speed(p), (made.mass + made.fluid) * length)
+    """`describe`."""
+    return describe(p, ready(p).constants, ops)

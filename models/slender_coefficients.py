@@ -31,25 +31,115 @@ Research 14 (1970). C_DB is Hoerner's, used with the base area as printed. Valid
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
+from .ops import FLOATS, NEVER, Ops, Value
 from .slender_ends import End, Shape, integrals, shape
 
 THEORIES = ("present", "corrected", "modified_old")
+LONGEST = 1e6
+"""Diameters that an end may be long: beyond 1e8 its eccentricity is 1 to the last digit."""
 
 
 class Term(NamedTuple):
     """uu u^2 + us u s + ss s^2."""
 
-    uu: float
-    us: float = 0.0
-    ss: float = 0.0
+    uu: Value
+    us: Value = 0.0
+    ss: Value = 0.0
 
     def at(self, u: float, s: complex) -> complex:
         """The coefficient at a tow speed and an exponent."""
-        return self.uu * u * u + self.us * u * s + self.ss * s * s
+        return complex(self.uu * u * u + self.us * u * s + self.ss * s * s)
+
+
+class Numbers(NamedTuple):
+    """A body's dimensionless numbers, of any kind of value; ``theory`` is the position in `THEORIES`."""
+
+    end_length: Value = 0.015
+    rope_length: Value = 1.0
+    tail_cut: Value = 1.0
+    slenderness: Value = 40.0
+    friction: Value = 1.0
+    normal_drag: Value = 0.0
+    mass_ratio: Value = 0.5
+    damping: Value = 0.0
+    theory: Value = 0.0
+    nose_factor: Value = 1.0
+    tail_factor: Value = 1.0
+    nose_drag: Value = 0.0
+
+
+class Ends(NamedTuple):
+    """``nose`` as published and ``signed_nose`` with the signs that the theory gives it; ``drag`` of the body without its
+    base, ``base_drag`` C_DB = 0.029 (1 - al^2)^(3/2)/sqrt(drag), and ``tension`` P, the rope's pull, over rho U^2 S/2."""
+
+    shape: Shape
+    nose: End
+    signed_nose: End
+    tail: End
+    drag: Value
+    base_drag: Value
+    tension: Value
+
+
+def ends(body: Numbers, ops: Ops) -> Ends:
+    """What the ends of a body do, under its theory."""
+    ellipsoid = shape(body.end_length, body.slenderness, ops)
+    nose = integrals(body.end_length, ellipsoid, 1.0, ops)
+    tail = integrals(body.end_length, ellipsoid, body.tail_cut, ops)
+    sign = ops.where(body.theory == 1.0, -1.0, 1.0)
+    signed = nose._replace(i3=sign * nose.i3, i6=sign * nose.i6, i7=sign * nose.i7)
+    drag = body.friction * (1.0 + nose.i1 + tail.i1) + 2.0 * (signed.i7 + tail.i7)
+    base = 1.0 - body.tail_cut**2
+    hidden = 0.029 * base * ops.sqrt(base) / ops.sqrt(ops.where(drag > 0.0, drag, 1.0))
+    old = body.nose_drag + (1.0 - body.tail_factor) + body.friction
+    tension = ops.where(body.theory == 2.0, old, drag + base * hidden)
+    return Ends(ellipsoid, nose, signed, tail, drag, hidden, tension)
+
+
+def requirements(body: Numbers, ops: Ops) -> tuple[tuple[Value, str], ...]:
+    """(value, message): a theory holds where all values are positive."""
+
+    def within(value: Value, low: float, high: float) -> Value:
+        return ops.where(value >= low, ops.where(value <= high, 1.0, 0.0), 0.0)
+
+    positive = ("end_length", "rope_length", "slenderness", "tail_cut", "mass_ratio")
+    other = ("friction", "normal_drag", "damping")
+    free = ("nose_factor", "tail_factor", "nose_drag")
+    simple = [
+        *((within(ops.abs(getattr(body, n)), 0.0, NEVER), f"{n}: expected a finite number")
+          for n in (*positive, *other, *free)),
+        *((getattr(body, n), f"{n}: expected a positive number") for n in positive),
+        *((within(getattr(body, n), 0.0, NEVER), f"{n}: expected a number that is not negative") for n in other),
+        (within(body.tail_cut, 0.0, 1.0), "tail_cut: expected at most 1, 1 a full half ellipsoid, towards 0 a flat base"),
+        (1.0 - body.mass_ratio, "mass_ratio: expected M/(m + M) between 0 and 1, 1/2 for neutral buoyancy"),
+        (sum(ops.where(body.theory == k, 1.0, 0.0) for k in range(len(THEORIES))),
+         "theory: expected 0 (present), 1 (corrected) or 2 (modified_old)"),
+        (body.end_length * body.slenderness - 0.5,
+         "end_length * slenderness, the ends' length over the diameter: expected more than 0.5; half a diameter long, the "
+         "ends are hemispheres, and for anything shorter the formulas of a prolate ellipsoid do not hold: use longer ends"),
+        (LONGEST - body.end_length * body.slenderness,
+         f"end_length * slenderness, the ends' length over the diameter: expected less than {LONGEST:g}"),
+    ]  # fmt: skip
+    drag = ends(where_met(simple, body, ops), ops).drag
+    text = "drag of the body without its base: expected a positive one, with some friction"
+    return (*simple, (ops.where(body.theory == 2.0, 1.0, drag), text))
+
+
+def where_met(found: Sequence[tuple[Value, str]], body: Numbers, ops: Ops) -> Numbers:
+    """``body`` where all requirements are met, else one that exists: further ones are asked of what can be computed."""
+    met: Value = 1.0
+    for value, _ in found:
+        met = ops.where(value > 0.0, met, 0.0)
+    return Numbers(*(ops.where(met > 0.0, a, b) for a, b in zip(body, Numbers())))
+
+
+def unmet(found: Sequence[tuple[Value, str]]) -> str | None:
+    """The message of the first requirement that is not met (nan is none), None if all are."""
+    return next((text for value, text in found if not value > 0.0), None)
 
 
 @dataclass(frozen=True)
@@ -70,71 +160,26 @@ class Body:
     nose_drag: float = 0.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name != "theory" and not math.isfinite(value):
-                raise ValueError(f"{field.name} = {value}: expected a finite number")
-        for name in ("end_length", "rope_length", "slenderness"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} = {getattr(self, name):g}: expected a positive number")
-        for name in ("friction", "normal_drag", "damping"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} = {getattr(self, name):g}: expected a number that is not negative")
-        if not 0.0 < self.tail_cut <= 1.0:
-            raise ValueError(
-                f"tail_cut = {self.tail_cut:g}: expected 0 < tail_cut <= 1, 1 a full half ellipsoid and towards 0 a "
-                "flat base"
-            )
-        if not 0.0 < self.mass_ratio < 1.0:
-            raise ValueError(
-                f"mass_ratio = {self.mass_ratio:g}: expected M/(m + M) between 0 and 1, 1/2 for neutral buoyancy"
-            )
-        if self.theory not in THEORIES:
-            raise ValueError(f"theory {self.theory!r}: expected one of {', '.join(THEORIES)}")
-        shape(self.end_length, self.slenderness)
+        reason = unmet(requirements(self.numbers, FLOATS))
+        if reason:
+            raise ValueError(reason)
 
     @property
-    def shape(self) -> Shape:
-        """The ellipsoid of the ends."""
-        return shape(self.end_length, self.slenderness)
+    def numbers(self) -> Numbers:
+        """The same with the theory as a number, -1 for one that is not there."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        number = THEORIES.index(self.theory) if self.theory in THEORIES else -1
+        return Numbers(**(values | {"theory": float(number)}))
 
     @property
-    def nose(self) -> End:
-        """Integrals of the nose, positive as published."""
-        return integrals(self.end_length, self.shape, 1.0)
-
-    @property
-    def tail(self) -> End:
-        """Integrals of the tail."""
-        return integrals(self.end_length, self.shape, self.tail_cut)
-
-    @property
-    def signed_nose(self) -> End:
-        """Integrals of the nose with the signs that this theory gives them."""
-        nose = self.nose
-        if self.theory == "corrected":
-            return nose._replace(i3=-nose.i3, i6=-nose.i6, i7=-nose.i7)
-        return nose
-
-    @property
-    def base_drag(self) -> float:
-        """C_DB = 0.029 (1 - al^2)^(3/2)/sqrt(F0), F0 the drag without the base."""
-        return 0.029 * math.sqrt(1.0 - self.tail_cut**2) ** 3 / math.sqrt(self._forebody_drag)
-
-    @property
-    def _forebody_drag(self) -> float:
-        nose, tail = self.signed_nose, self.tail
-        drag = self.friction * (1.0 + nose.i1 + tail.i1) + 2.0 * (nose.i7 + tail.i7)
-        if not drag > 0.0:
-            raise ValueError(f"drag of the body without its base {drag:g}: expected a positive one, with some friction")
-        return drag
+    def ends(self) -> Ends:
+        """What its ends do."""
+        return ends(self.numbers, FLOATS)
 
     @property
     def tension(self) -> float:
         """P: the rope's pull over rho U^2 S/2."""
-        if self.theory == "modified_old":
-            return self.nose_drag + (1.0 - self.tail_factor) + self.friction
-        return self._forebody_drag + (1.0 - self.tail_cut**2) * self.base_drag
+        return float(self.ends.tension)
 
 
 class Coefficients(NamedTuple):
@@ -152,38 +197,38 @@ class Coefficients(NamedTuple):
     g10: Term
 
 
-def coefficients(body: Body) -> Coefficients:
-    """All coefficients under the body's theory."""
+def coefficients(body: Numbers, found: Ends, ops: Ops) -> Coefficients:
+    """All coefficients under the body's theory; ``found`` are its ends."""
     lam, rope, beta = body.end_length, body.rope_length, body.mass_ratio
-    nose, tail, pull = body.signed_nose, body.tail, body.tension
+    _, bare, nose, tail, _, drag, pull = found
     friction, normal = body.friction, body.friction + body.normal_drag
-    root, base = math.sqrt(beta), 1.0 - body.tail_cut**2
-    c2, c3, c4 = Term(0.5 * friction), Term(0.5 * normal, 2.0 * root), Term(0.0, 0.5 * root * normal, 1.0)
-    moment = 0.5 * lam * pull / rope
-    g7, g8 = Term(-moment * (lam + rope)), Term(moment)
-    if body.theory == "modified_old":
-        f1, f2 = body.nose_factor, body.tail_factor
-        return Coefficients(
-            Term(1.0 - 0.5 * (0.5 * friction + base * (1.0 - f2))), c2, c3, c4,
-            Term(f1 - 0.5 * (lam + rope) * pull / rope),
-            Term(0.5 * pull / rope, f1 * root, ((1.0 - beta) + beta * f1) * nose.i2),
-            g7, g8,
-            Term(f2),
-            Term(0.0, f2 * root, -((1.0 - beta) + beta * f2) * tail.i2),
-        )  # fmt: skip
-    end = friction * (0.5 + tail.i1) + 2.0 * tail.i7 + base * body.base_drag
-    return Coefficients(
-        Term(1.0 - 0.5 * end), c2, c3, c4,
+    root, base = ops.sqrt(beta), 1.0 - body.tail_cut**2
+    f1, f2 = body.nose_factor, body.tail_factor
+    end = friction * (0.5 + tail.i1) + 2.0 * tail.i7 + base * drag
+    old = (
+        Term(1.0 - 0.5 * (0.5 * friction + base * (1.0 - f2))),
+        Term(f1 - 0.5 * (lam + rope) * pull / rope),
+        Term(0.5 * pull / rope, f1 * root, ((1.0 - beta) + beta * f1) * bare.i2),
+        Term(f2),
+        Term(0.0, f2 * root, -((1.0 - beta) + beta * f2) * tail.i2),
+    )
+    present = (
+        Term(1.0 - 0.5 * end),
         Term(
             -0.5 * ((lam + rope) / rope * pull - normal * nose.i1 - 2.0 * nose.i4), root * (nose.i6 - nose.i3),
             -beta * nose.i5,
         ),
-        Term(
-            0.5 * pull / rope, root * (0.5 * normal * nose.i1 + nose.i4), (1.0 - beta) * nose.i2 - beta * nose.i3
-        ),
-        g7, g8,
+        Term(0.5 * pull / rope, root * (0.5 * normal * nose.i1 + nose.i4), (1.0 - beta) * nose.i2 - beta * nose.i3),
         Term(tail.i4 - 0.5 * normal * tail.i1, root * (tail.i6 - tail.i3), -beta * tail.i5),
         Term(
             0.0, root * (tail.i4 - 0.5 * normal * tail.i1), -((1.0 - beta) * tail.i2 + beta * tail.i3)
         ),
+    )  # fmt: skip
+    c1, g5, g6, g9, g10 = (
+        Term(*(ops.where(body.theory == 2.0, a, b) for a, b in zip(one, other))) for one, other in zip(old, present)
+    )
+    moment = 0.5 * lam * pull / rope
+    return Coefficients(
+        c1=c1, c2=Term(0.5 * friction), c3=Term(0.5 * normal, 2.0 * root), c4=Term(0.0, 0.5 * root * normal, 1.0),
+        g5=g5, g6=g6, g7=Term(-moment * (lam + rope)), g8=Term(moment), g9=g9, g10=g10,
     )  # fmt: skip

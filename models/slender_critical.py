@@ -30,7 +30,8 @@ import numpy as np
 from scipy.linalg import eig, svd
 
 from .slender_coefficients import Body
-from .slender_modes import FUNCTIONS, Complex, Matrices, matrices, roots
+from .slender_galerkin import Complex, Matrices
+from .slender_modes import FUNCTIONS, matrices, roots
 from .slender_tracking import track
 
 

@@ -27,8 +27,11 @@ Not valid for lam eps <= 1/2, where the ellipsoid is oblate.
 
 from __future__ import annotations
 
-import math
+from itertools import accumulate, repeat
+from operator import mul
 from typing import NamedTuple
+
+from .ops import Ops, Value
 
 SERIES_BELOW = 0.5
 """Eccentricity below which the series are used."""
@@ -39,81 +42,100 @@ TERMS = 32
 class Shape(NamedTuple):
     """Eccentricity and inertia coefficients of the ellipsoid, -."""
 
-    e: float
-    k1: float
-    k2: float
-    l3: float
+    e: Value
+    k1: Value
+    k2: Value
+    l3: Value
 
 
 class End(NamedTuple):
     """The seven integrals of one end, -."""
 
-    i1: float
-    i2: float
-    i3: float
-    i4: float
-    i5: float
-    i6: float
-    i7: float
+    i1: Value
+    i2: Value
+    i3: Value
+    i4: Value
+    i5: Value
+    i6: Value
+    i7: Value
 
 
-def shape(end_length: float, slenderness: float) -> Shape:
-    """The ellipsoid of lam = ``end_length`` and eps = ``slenderness``. Raises ``ValueError`` for lam eps <= 1/2."""
-    product = end_length * slenderness
-    if not product > 0.5:
-        raise ValueError(
-            f"end_length * slenderness = {product:g}: expected more than 0.5; half a diameter long, the ends are "
-            "hemispheres, and for anything shorter the formulas of a prolate ellipsoid do not hold: use longer ends"
-        )
-    r = 0.5 / product
-    e = math.sqrt((1.0 - r) * (1.0 + r))
-    if e < SERIES_BELOW:
-        powers = [(j, e ** (2 * j - 2)) for j in range(1, TERMS)]
-        axial = sum(q / (2 * j + 1) for j, q in powers)
-        lateral = sum(2 * j * q / (2 * j + 1) for j, q in powers)
-        k1, k2 = axial / lateral, lateral / sum((2 * j + 2) * q / (2 * j + 1) for j, q in powers)
-        # both sums of l3 begin with e^4, which cancels
-        numerator = sum((2 * j - 2) * q / (2 * j + 1) for j, q in ((j, e ** (2 * j - 4)) for j in range(2, TERMS)))
-        denominator = sum(
-            (6.0 / (2 * j + 1) - 3.0 / (2 * j - 1) + 1.0) * e ** (2 * j - 4) for j in range(2, TERMS)
-        )
-        return Shape(e, k1, k2, e * e * numerator / denominator)
-    half, square = math.atanh(e), r * r  # G/2 and 1 - e^2
-    lateral = half - e / square
-    k1 = -(half - e) / lateral
-    k2 = -lateral / (half - (e - 2.0 * e**3) / square)
-    ratio = e * e / square
-    l3 = -e * e * (3.0 * half / e - 3.0 - ratio) / (3.0 * (2.0 - e * e) * half / e - 6.0 + ratio)
-    return Shape(e, k1, k2, l3)
+def shape(end_length: Value, slenderness: Value, ops: Ops) -> Shape:
+    """The ellipsoid of lam = ``end_length`` and eps = ``slenderness``, lam eps > 1/2."""
+    r = 0.5 / (end_length * slenderness)
+    e = ops.sqrt((1.0 - r) * (1.0 + r))
+    near, far = _by_series(ops.minimum(e, SERIES_BELOW)), _closed(ops.maximum(e, SERIES_BELOW), r * r, ops)
+    return Shape(e, *(ops.where(e < SERIES_BELOW, a, b) for a, b in zip(near, far)))
 
 
-def integrals(end_length: float, body: Shape, cut: float) -> End:
+def integrals(end_length: Value, body: Shape, cut: Value, ops: Ops) -> End:
     """The integrals of an end of lam = ``end_length`` up to al = ``cut``, 0 < al <= 1."""
     (e, k1, k2, l3), lam, al = body, end_length, cut
-    i2 = lam * al * (1.0 - al * al / 3.0)
-    if e < SERIES_BELOW:
-        lift = sum(
-            e ** (2 * j - 2) * (al ** (2 * j) / j - al ** (2 * j + 2) / (j + 1)) for j in range(1, TERMS)
-        )
-        stream = sum(
-            e ** (2 * j) * al ** (2 * j + 1)
-            * ((1.0 - l3) / (2 * j + 1) + al * al * ((3.0 * l3 - 1.0) / (2 * j + 3) - 2.0 * l3 * al * al / (2 * j + 5)))
-            for j in range(TERMS)
-        )  # fmt: skip
-        i6 = lam * (1.0 + k1) * stream - i2
-    else:
-        lift = (al * al + (1.0 / (e * e) - 1.0) * math.log1p(-e * e * al * al)) / (e * e)
-        a, b = k1 - (1.0 + k1) * l3, e * e + 2.0 * (1.0 + k1) * l3
-        c = (a - b) / (e * e)
-        i6 = lam / (e * e) * (
-            b * al**3 / 3.0 + (a - b + b / (e * e)) * al + (a - c - b / e**4) * e * math.atanh(e * al)
-        )  # fmt: skip
+    near = _flow_by_series(ops.minimum(e, SERIES_BELOW), al, k1, l3)
+    far = _flow_closed(ops.maximum(e, SERIES_BELOW), al, k1, l3, ops)
+    lift, momentum = (ops.where(e < SERIES_BELOW, a, b) for a, b in zip(near, far))
+    square = al * al
+    i2 = lam * al * (1.0 - square / 3.0)
+    root = ops.sqrt(1.0 - square)
     return End(
-        i1=0.5 * lam * (al * math.sqrt(1.0 - al * al) + math.asin(al)),
+        i1=0.5 * lam * (al * root + ops.atan2(al, root)),
         i2=i2,
         i3=k2 * i2,
         i4=0.5 * (1.0 + k1) * (1.0 + k2) * lift,
-        i5=0.25 * lam * lam * l3 * al * al * (2.0 - al * al),
-        i6=i6,
-        i7=0.5 * ((1.0 + k1) ** 2 * lift - al * al),
+        i5=0.25 * lam * lam * l3 * square * (2.0 - square),
+        i6=lam * momentum,
+        i7=0.5 * ((1.0 + k1) ** 2 * lift - square),
     )
+
+
+def _powers(q: Value) -> list[Value]:
+    """1, q, q^2, ..., q^(`TERMS` - 1)."""
+    return list(accumulate(repeat(q, TERMS - 1), mul, initial=1.0))
+
+
+def _by_series(e: Value) -> tuple[Value, Value, Value]:
+    """(k1, k2, l3) of a small eccentricity."""
+    power = _powers(e * e)
+    axial = sum(power[j] / (2 * j + 3) for j in range(TERMS))
+    lateral = sum((2 * j + 2) * power[j] / (2 * j + 3) for j in range(TERMS))
+    k2 = lateral / sum((2 * j + 4) * power[j] / (2 * j + 3) for j in range(TERMS))
+    # both sums of l3 begin with e^4, which cancels
+    numerator = sum((2 * j + 2) * power[j] / (2 * j + 5) for j in range(TERMS))
+    denominator = sum((6.0 / (2 * j + 5) - 3.0 / (2 * j + 3) + 1.0) * power[j] for j in range(TERMS))
+    return axial / lateral, k2, e * e * numerator / denominator
+
+
+def _closed(e: Value, square: Value, ops: Ops) -> tuple[Value, Value, Value]:
+    """(k1, k2, l3) of an eccentricity that is not small, ``square`` = 1 - e^2."""
+    half = _artanh(e, ops)
+    lateral = half - e / square
+    ratio = e * e / square
+    l3 = -e * e * (3.0 * half / e - 3.0 - ratio) / (3.0 * (2.0 - e * e) * half / e - 6.0 + ratio)
+    return -(half - e) / lateral, -lateral / (half - (e - 2.0 * e * e * e) / square), l3
+
+
+def _flow_by_series(e: Value, al: Value, k1: Value, l3: Value) -> tuple[Value, Value]:
+    """The integral of 2 x (1 - x^2)/(1 - e^2 x^2), and i6/lam."""
+    square = al * al
+    power = _powers(e * e * square)
+    lift = square * sum(power[j] * (1.0 / (j + 1) - square / (j + 2)) for j in range(TERMS))
+    stream = sum(
+        power[j]
+        * ((1.0 - l3) / (2 * j + 1) + square * ((3.0 * l3 - 1.0) / (2 * j + 3) - 2.0 * l3 * square / (2 * j + 5)))
+        for j in range(TERMS)
+    )
+    return lift, (1.0 + k1) * al * stream - al * (1.0 - square / 3.0)
+
+
+def _flow_closed(e: Value, al: Value, k1: Value, l3: Value, ops: Ops) -> tuple[Value, Value]:
+    """The same for an eccentricity that is not small."""
+    q, square = e * e, al * al
+    lift = (square + (1.0 / q - 1.0) * ops.log1p(-q * square)) / q
+    a, b = k1 - (1.0 + k1) * l3, q + 2.0 * (1.0 + k1) * l3
+    c = (a - b) / q
+    momentum = b * al * square / 3.0 + (a - b + b / q) * al + (a - c - b / (q * q)) * e * _artanh(e * al, ops)
+    return lift, momentum / q
+
+
+def _artanh(x: Value, ops: Ops) -> Value:
+    return 0.5 * ops.log1p(2.0 * x / (1.0 - x))

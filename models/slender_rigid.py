@@ -27,7 +27,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from .slender_coefficients import Body
-from .slender_modes import Complex, matrices
+from .slender_galerkin import Complex
+from .slender_modes import matrices
 
 Array = NDArray[np.float64]
 
@@ -56,9 +57,10 @@ def exponents(body: Body) -> Complex:
 def _closed(body: Body) -> tuple[Array, Array, Array, Array]:
     """(A, B, C, Dd) of program F. It takes beta (i2 -/+ i3) for the masses of the ends, right at beta = 1/2 only; with
     m/M = 1/beta - 1 in place of 1 the body's mass is that of any beta."""
-    lam, rope, pull = body.end_length, body.rope_length, body.tension
-    i1, i2, i3, i4, i5, i6, _ = body.signed_nose
-    j1, j2, j3, j4, j5, j6, _ = body.tail
+    ends = body.ends
+    lam, rope, pull = body.end_length, body.rope_length, ends.tension
+    i1, i2, i3, i4, i5, i6, _ = ends.signed_nose
+    j1, j2, j3, j4, j5, j6, _ = ends.tail
     normal = body.friction + body.normal_drag
     ratio = 1.0 / body.mass_ratio - 1.0  # m/M
     area, lever = 1.0 + i1 + j1, 0.25 * normal * (j1 - i1)
@@ -91,9 +93,9 @@ def yaw_criterion(body: Body) -> float:
     end factors replace the integrals."""
     if body.theory == "modified_old":
         return float(quartic(body)[4] * quartic(body)[0])
-    nose, tail, lam = body.signed_nose, body.tail, body.end_length
+    nose, tail, lam = body.ends.signed_nose, body.ends.tail, body.end_length
     normal = body.friction + body.normal_drag
-    return (
+    return float(
         0.5 * normal * ((0.5 + lam) * (1.0 + nose.i1 + tail.i1) + 0.5 * (tail.i1 - nose.i1))
         + lam * nose.i4 - (1.0 + lam) * tail.i4
     )  # fmt: skip

@@ -20,6 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .ops import FLOATS
 from .slender_coefficients import Body, coefficients
 
 Array = NDArray[np.complex128]
@@ -33,7 +34,7 @@ def determinant(body: Body, u: float, s: complex, order: int = ORDER, centre: fl
     order below 4, ``ZeroDivisionError`` at s = -1/nu."""
     if order < 4:
         raise ValueError(f"series of order {order}: expected at least 4")
-    c = coefficients(body)
+    c = coefficients(body.numbers, body.ends, FLOATS)
     g0 = 1.0 + body.damping * s
     c1, c2, c3, c4, g5, g6, g7, g8, g9, g10 = (term.at(u, s) for term in c)
     c1 = c1 + c2 * centre

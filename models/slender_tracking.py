@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from .slender_modes import Complex, Matrices, modes, rates_of_change
+from .slender_galerkin import Complex, Matrices
+from .slender_modes import modes, rates_of_change
 
 Array = NDArray[np.float64]
 

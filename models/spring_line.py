@@ -130,16 +130,11 @@ def margins(
     return taut, breaking, 1.0 - travel_time * ops.abs(tension_rate) / (PROPAGATION_LIMIT * scale)
 
 
-def problem(p: Parameters) -> str | None:
-    """What is wrong with the parameters taken together, or None."""
-    return stiffness_problem(p)
-
-
-def stiffness_problem(p: Elasticity) -> str | None:
+def requirements(p: Elasticity, ops: Ops) -> tuple[tuple[Value, str], ...]:
     """A line needs its stiffness in one of two ways."""
-    if p.stiffness > 0.0 or (p.axial_stiffness > 0.0 and p.length > 0.0):
-        return None
-    return "stiffness is 0 and so is axial_stiffness / length: give stiffness, or axial_stiffness and length"
+    given = ops.maximum(p.stiffness, ops.minimum(p.axial_stiffness, p.length))
+    text = "stiffness is 0 and so is axial_stiffness / length: give stiffness, or axial_stiffness and length"
+    return ((given, text),)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

@@ -21,7 +21,6 @@ Source: the oscillator of `ship`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -101,6 +100,11 @@ def initial(p: Parameters, ops: Ops) -> tuple[ship.State, ship.Modes]:
     return ship.initial(oscillator(p), ops)
 
 
+def derivatives(t: Value, x: ship.State, m: ship.Modes, u: Inputs, p: Parameters, ops: Ops) -> ship.State:
+    """x' of the response."""
+    return ship.derivatives(t, x, m, ship.Inputs(-u[0]), oscillator(p), ops)
+
+
 def advance(
     t: Value, h: Value, x: ship.State, m: ship.Modes, coefficients: Sequence[Sequence[Value]], p: Parameters, ops: Ops
 ) -> ship.State:
@@ -121,10 +125,3 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Constants of the oscillator."""
     mass, frequency, ratio = ship.calculated(oscillator(p), ops)
     return Calculated(mass, frequency, ratio)
-
-
-def problem(p: Parameters) -> str | None:
-    """A speed that makes no sense."""
-    if not (min(p.speed_start, p.speed_end) >= 0.0 and math.isfinite(p.speed_start + p.speed_end)):
-        return f"speed from {p.speed_start:g} to {p.speed_end:g} m/s: expected finite speeds that are not negative"
-    return None

@@ -191,12 +191,13 @@ def test_run_writes_files_and_prints_summaries(cases: Path, tmp_path: Path, caps
 
 def test_run_json_is_one_document(cases: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ("--out", tmp_path / "o", "--json", "--progress", "json", "--no-report", "--case", "4 s wave")
-    assert call("run", cases, *arguments) == 0
+    assert call("run", cases, *arguments, "--flavour", "python") == 0
     printed = capsys.readouterr()
     document = json.loads(printed.out)
     assert [result["case"] for result in document["results"]] == ["4 s wave"]
     assert document["results"][0]["status"] == "done"
     assert document["results"][0]["end_time"] == 4.0
+    assert document["results"][0]["flavours"] == {"ship": "python", "line": "python", "cradle": "python"}
     assert document["errors"] == []
     assert {Path(file).name for file in document["files"]} == {"4_s_wave.csv", "4_s_wave.npz"}
     assert all(Path(file).is_file() for file in document["files"])
@@ -382,7 +383,8 @@ def interruptible() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def test_interrupted_run_keeps_its_record(bad: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_run_keeps_its_record(stop: signal.Signals, bad: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "towage", "run", str(bad), "--progress", "json", "--out", str(tmp_path / "o")]
     with subprocess.Popen(
         [*command, "--case", "good", "--case", "slow"],
@@ -394,7 +396,7 @@ def test_interrupted_run_keeps_its_record(bad: Path, tmp_path: Path) -> None:
             said = json.loads(line)
             if said["label"] == "slow" and said["done"] > 0.5:
                 break
-        process.send_signal(signal.SIGINT)
+        process.send_signal(stop)
         out, err = process.communicate(timeout=30)
     assert process.returncode == 130, err
     assert "towage: error: interrupted" in err

@@ -21,8 +21,8 @@ from towage.child import Died, converse
 from towage.errors import FmuError, RunError, SceneError
 from towage.master import Master
 from towage.recorder import Recorder, read_journal
-from towage.result import Result
-from towage.scene import Scene
+from towage.result import Event, Result
+from towage.scene import Scene, UnitEntry
 from towage.worker import check_isolated, run_isolated
 
 SCRIPT = '''
@@ -160,6 +160,14 @@ def test_death_of_the_process_keeps_the_record_and_names_the_unit(hostile: Path,
     assert "the record ends at t = 1 s" in result.message
     assert ("hostile.py" in result.message) == (misdeed in ("crash", "abort"))  # where a stack could be written
     assert ("about to dereference NULL" in result.message) == (misdeed == "crash")
+
+
+def test_death_of_the_process_keeps_the_events(hostile: Path) -> None:
+    docking = scene(hostile, "killed")
+    docking.units["cradle"] = UnitEntry("cradle", {"docking_time": 0.53, "submersible_mass": 1e4})
+    result = run_isolated(docking)
+    assert_partial(result)
+    assert result.events == [Event(0.53, "cradle", "time event", 0)]
 
 
 @pytest.mark.parametrize("misdeed", ["hang", "endless"])

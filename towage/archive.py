@@ -7,6 +7,8 @@ other FMI versions and interfaces, duplicate variables, and a binary that the lo
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import re
 import shutil
 import stat
@@ -35,9 +37,38 @@ _DESCRIPTION = "modelDescription.xml"
 
 
 def read_description(path: Path) -> Description:
-    """Describe the FMU at ``path``; a binary for this platform is not required. Raises ``FmuError``."""
+    """Describe the FMU at ``path``; a binary for this platform is not required. Raises ``FmuError``.
+
+    A file that does not change is read once a process, because a sweep asks for it in every run."""
+    return _read(path, *_stamp(path))
+
+
+def unpacked(path: Path, root: Path) -> Path:
+    """The directory below ``root``, named by the file's content, into which the FMU is unpacked by `extract`; a file that
+    does not change is looked at once a process. Raises ``FmuError``."""
+    return _unpacked_once(path, root, *_stamp(path))
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """What changes with the file's content: (time of modification, size); zeros where there is no file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_size
+
+
+@functools.lru_cache(maxsize=64)
+def _read(path: Path, *stamp: int) -> Description:
     with _opened(path) as archive:
         return _describe(path, archive)
+
+
+@functools.lru_cache(maxsize=64)
+def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
+    directory = root / hashlib.sha256(path.read_bytes()).hexdigest()[:32]
+    extract(path, directory)
+    return directory
 
 
 def check_platform(description: Description) -> str:

@@ -1,6 +1,6 @@
-"""A supervised child process: it is given one request, tells of its progress, answers or dies.
+"""A supervised child process: it is given a request, tells of its progress, answers or dies.
 
-The request goes to its stdin, which stays open: its end tells the child that the parent is gone. What the child says
+Requests go to its stdin, which stays open: its end tells the child that the parent is gone. What the child says
 comes back as JSON, one object a line: ``{"share", "text"}`` for progress, anything else is the answer. The child moves
 its stdout to a private descriptor first, so that what a library prints goes to stderr and is not taken for an answer.
 """
@@ -18,7 +18,7 @@ import threading
 import time as clock
 from collections import deque
 from collections.abc import Callable
-from typing import IO, Any
+from typing import IO, Any, Self
 
 POLL = 0.1
 """Longest wait for a line before the child is looked at, s."""
@@ -37,52 +37,93 @@ class Died(Exception):
     printed: str = ""
 
 
-def converse(module: str, request: bytes, report: Report | None, timeout: float) -> dict[str, Any]:
-    """Call ``main()`` of ``module`` in a child, listen to it and see it end; returns its answer.
+class Hung(Died):
+    """The child made no progress and was ended."""
 
-    ``timeout`` is the longest silence, s; repeated progress counts as silence. Raises `Died`. Whatever else ends the
-    conversation (Ctrl-C, an error in ``report``) ends the child. The child finds modules where this process does.
-    """
-    paths = [path or os.getcwd() for path in sys.path]
-    start = f"import sys; sys.path[:] = {paths!r}; from {module} import main; main()"
-    pipe = subprocess.PIPE
-    child = subprocess.Popen([sys.executable, "-c", start], stdin=pipe, stdout=pipe, stderr=pipe)
-    assert child.stdin and child.stdout and child.stderr
-    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    printed: deque[bytes] = deque(maxlen=SHOWN_LINES)
-    threads = [
-        threading.Thread(target=_drain, args=(stream, keep), daemon=True)
-        for stream, keep in ((child.stdout, lines.put), (child.stderr, printed.append))
-    ]
-    for thread in threads:
-        thread.start()
-    answer: dict[str, Any] = {}
-    died: Died | None = None
-    try:
+
+class Child:
+    """A process that runs ``main()`` of ``module``, asked one thing after another. It finds modules where this process
+    does. A context manager; its end is the child's, whatever state that is in."""
+
+    def __init__(self, module: str) -> None:
+        paths = [path or os.getcwd() for path in sys.path]
+        start = f"import sys; sys.path[:] = {paths!r}; from {module} import main; main()"
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen([sys.executable, "-c", start], stdin=pipe, stdout=pipe, stderr=pipe)
+        assert self.process.stdin and self.process.stdout and self.process.stderr
+        self._stdin, self._streams = self.process.stdin, (self.process.stdout, self.process.stderr)
+        self._lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        self._printed: deque[bytes] = deque(maxlen=SHOWN_LINES)
+        self._threads = [
+            threading.Thread(target=_drain, args=(stream, keep), daemon=True)
+            for stream, keep in zip(self._streams, (self._lines.put, self._printed.append))
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def printed(self) -> str:
+        """The last it printed."""
+        return b"".join(self._printed.copy()).decode(errors="replace")
+
+    def ask(self, request: bytes, report: Report | None, timeout: float) -> dict[str, Any]:
+        """Its answer. ``timeout`` is the longest silence, s; repeated progress counts as silence. Raises `Died`."""
         with contextlib.suppress(OSError):  # a child that died at once is found dead below
-            child.stdin.write(request)
-            child.stdin.flush()
-        answer = _listen(child, threads[0], lines, report, timeout)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            child.wait(GRACE)
-    except Died as death:
-        died = death
-    finally:
-        if child.poll() is None:
-            child.kill()
-            child.wait()
+            self._stdin.write(request)
+            self._stdin.flush()
+        return _listen(self.process, self._threads[0], self._lines, report, timeout)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
         with contextlib.suppress(OSError):
-            child.stdin.close()
-        for thread, stream in zip(threads, (child.stdout, child.stderr)):
+            self._stdin.close()
+        for thread, stream in zip(self._threads, self._streams):
             thread.join(GRACE)
             if not thread.is_alive():  # a process that a unit left behind may hold the pipe
                 stream.close()
-    text = b"".join(printed).decode(errors="replace")
-    if died:
-        died.printed = text.strip()
-        raise died
-    sys.stderr.write(text)
+
+
+def converse(module: str, request: bytes, report: Report | None, timeout: float) -> dict[str, Any]:
+    """Ask a child one thing and see it end; returns its answer.
+
+    Raises `Died`, with what the child printed. Whatever else ends the conversation (Ctrl-C, an error in ``report``) ends
+    the child.
+    """
+    child = Child(module)
+    try:
+        with child:
+            answer = child.ask(request, report, timeout)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.process.wait(GRACE)
+    except Died as death:
+        death.printed = child.printed.strip()
+        raise
+    sys.stderr.write(child.printed)
     return answer
+
+
+def attend() -> tuple[IO[bytes], Callable[[dict[str, Any]], None]]:
+    """In a child: (what it is asked, how it answers). From now on only the parent interrupts it, and nothing else that
+    is printed is taken for an answer."""
+    for stop in (signal.SIGINT, signal.SIGTERM):  # these may reach both; the parent decides
+        signal.signal(stop, signal.SIG_IGN)
+    requests, channel = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "w", encoding="ascii")
+    os.dup2(2, 1)
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+
+    def say(message: dict[str, Any]) -> None:
+        try:
+            print(json.dumps(message), file=channel, flush=True)
+        except OSError:  # the parent is gone
+            os._exit(1)
+
+    return requests, say
 
 
 def _drain(stream: IO[bytes], keep: Callable[[bytes], None]) -> None:
@@ -120,7 +161,7 @@ def _listen(
             raise Died(_fate(child.returncode))
         if silence >= (timeout if last else timeout + START):
             _ask_for_stack(child)
-            raise Died(f"made no progress for {timeout:g} s and was stopped")
+            raise Hung(f"made no progress for {timeout:g} s and was stopped")
 
 
 def _fate(code: int) -> str:

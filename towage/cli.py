@@ -20,6 +20,7 @@ COMMANDS = {
     "run": "towage.commands.run",
     "check": "towage.commands.check",
     "validate": "towage.commands.validate",
+    "export": "towage.commands.export",
     "list": "towage.commands.list",
     "verify": "towage.commands.verify",
     "stability": "towage.commands.stability",

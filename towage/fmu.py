@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
-from ctypes import byref, c_double, c_int, c_uint, c_void_p
+from ctypes import CDLL, Array, addressof, byref, c_double, c_int, c_size_t, c_uint, c_void_p, sizeof
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,21 +27,24 @@ from fmpy.logging import addLoggerProxy
 
 from .description import Description
 from .errors import RunError
+from .fmus.unit import INPUT_ORDERS
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal")
-INPUT_SLOTS = 4
+BY_FUNCTION = False
+"""Whether input derivatives go through fmi2SetRealInputDerivatives where they may go with the inputs too: a second call
+costs more than the values it carries (``benchmarks/native.py``)."""
 
 
 @dataclass(frozen=True)
 class Input:
-    """Where a connected input lives in the input buffer. ``smooth``: its three derivatives follow it there;
-    ``interpolated``: fmi2SetRealInputDerivatives takes its slope."""
+    """Where a connected input lives in the input buffer: its value in ``slot``, its derivatives up to order ``orders``
+    from ``derivatives`` on."""
 
     name: str
     slot: int
-    smooth: bool
-    interpolated: bool
+    derivatives: int
+    orders: int
     feedthrough: bool
 
 
@@ -64,9 +67,21 @@ class StepRefused(Exception):
     """fmi2DoStep returned Discard or Error: the instance may be restored and stepped otherwise."""
 
 
+def _function(dll: CDLL, name: str, *types: Any) -> Callable[..., int]:
+    """A function of the library that takes addresses: to check and convert arrays costs as much as a native step."""
+    function = dll[f"fmi2{name}"]  # a new one, fmpy keeps its own
+    function.argtypes, function.restype = types, c_int
+    return function
+
+
 class Unit:
     """An instance in a scene: ``connected`` inputs, outputs that are ``sources`` of connections, and all ``outputs``
-    that are read after every step, in the order of ``values``. ``cubic``: inputs are given their derivatives too."""
+    that are read after every step, in the order of ``values``. ``cubic``: inputs are given their derivatives too, and
+    rates of sources that are not among the outputs follow these as ``<source>_rate`` if the unit computes them.
+
+    A derivative of an input is the variable ``<input>_d1``, ``_d2`` or ``_d3`` if there is one, else it goes through
+    fmi2SetRealInputDerivatives: up to order 3 into our own units, the slope alone into others, whose limit FMI 2.0 does
+    not tell."""
 
     def __init__(
         self,
@@ -86,25 +101,8 @@ class Unit:
         self.feeds = {
             i: any(d is None or i in d for o, d in description.dependencies.items() if o in sources) for i in connected
         }
-        self.inputs: dict[str, Input] = {}
-        references: list[int] = []
-        for i in connected:
-            smooth = cubic and all(f"{i}_d{k}" in self.variables for k in (1, 2, 3))
-            slope = cubic and not smooth and description.can_interpolate_inputs
-            self.inputs[i] = Input(i, len(references), smooth, slope, self.feeds[i])
-            names = [i] + [f"{i}_d{k}" for k in (1, 2, 3)] if smooth else [i]
-            references += [self.variables[n].value_reference for n in names]
-        self.outputs = list(outputs)
-        self.slot = {n: k for k, n in enumerate(self.outputs)}
-        self._input_references = (c_uint * max(1, len(references)))(*references)
-        self.input_buffer = (c_double * max(1, len(references)))()
-        self._input_count = len(references)
-        self._output_references = (c_uint * max(1, len(outputs)))(
-            *(self.variables[n].value_reference for n in self.outputs)
-        )
-        self._output_buffer = (c_double * max(1, len(outputs)))()
-        self._output_count = len(outputs)
-        self.values: list[float] = [0.0] * len(outputs)
+        self._alive: list[Any] = []
+        self._wire(connected, sources, outputs, cubic)
         self._slave = FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(directory),
@@ -123,25 +121,61 @@ class Unit:
             self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
             raise RunError(f"could not be instantiated: {self._said() or error}", unit=name) from error
+        self._component: int = self._slave.component
         dll = self._slave.dll
-        self._component = c_void_p(self._slave.component)
-        self._set_real = dll.fmi2SetReal
-        self._get_real = dll.fmi2GetReal
-        self._do_step = dll.fmi2DoStep
-        self._get_state = dll.fmi2GetFMUstate
-        self._set_state = dll.fmi2SetFMUstate
-        self._free_state = dll.fmi2FreeFMUstate
-        self._set_slopes: Callable[..., int] = dll.fmi2SetRealInputDerivatives
+        self._set_real = _function(dll, "SetReal", c_void_p, c_void_p, c_size_t, c_void_p)
+        self._get_real = _function(dll, "GetReal", c_void_p, c_void_p, c_size_t, c_void_p)
+        derivatives = c_void_p, c_void_p, c_size_t, c_void_p, c_void_p
+        self._set_derivatives = _function(dll, "SetRealInputDerivatives", *derivatives)
+        self._get_derivatives = _function(dll, "GetRealOutputDerivatives", *derivatives)
+        self._do_step = _function(dll, "DoStep", c_void_p, c_double, c_double, c_int)
+        self._get_state = _function(dll, "GetFMUstate", c_void_p, c_void_p)
+        self._set_state = _function(dll, "SetFMUstate", c_void_p, c_void_p)
+        self._free_state = _function(dll, "FreeFMUstate", c_void_p, c_void_p)
         self._state = c_void_p()
-        slopes = [i for i in self.inputs.values() if i.interpolated]
-        self._slope_inputs = slopes
-        self._slope_references = (c_uint * max(1, len(slopes)))(
-            *(self.variables[i.name].value_reference for i in slopes)
-        )
-        self._slope_orders = (c_int * max(1, len(slopes)))(*([1] * len(slopes)))
-        self.slopes = (c_double * max(1, len(slopes)))()
-        self.slope_slot = {i.name: k for k, i in enumerate(slopes)}
         self.advance = self._stepper()
+
+    def _wire(self, connected: Sequence[str], sources: Sequence[str], outputs: Sequence[str], cubic: bool) -> None:
+        """Fix the buffers: values of inputs, then derivatives that are variables, then those that the function takes."""
+        interpolates = self.description.can_interpolate_inputs
+
+        def declared(name: str) -> bool:
+            return all(f"{name}_d{k}" in self.variables for k in INPUT_ORDERS)
+
+        by_function = [i for i in connected if cubic and interpolates and (BY_FUNCTION or not declared(i))]
+        by_variable = [i for i in connected if cubic and declared(i) and i not in by_function]
+        orders = {i: 3 if declared(i) else 1 for i in by_function} | dict.fromkeys(by_variable, 3)
+        names = [*connected, *(f"{i}_d{k}" for i in by_variable for k in INPUT_ORDERS)]
+        taken = [(i, k) for i in by_function for k in range(1, orders[i] + 1)]
+        first = {i: len(connected) + 3 * n for n, i in enumerate(by_variable)}
+        first |= {i: len(names) + taken.index((i, 1)) for i in by_function}
+        self.inputs = {
+            i: Input(i, n, first.get(i, 0), orders.get(i, 0), self.feeds[i]) for n, i in enumerate(connected)
+        }
+        self.input_buffer = (c_double * (len(names) + len(taken)))()
+        self._inputs = self._call(names, self.input_buffer, 0)
+        self._taken = self._call([i for i, _ in taken], self.input_buffer, len(names), [k for _, k in taken])
+        rated = [n for n in sources if f"{n}_rate" not in outputs and self.description.max_output_derivative_order]
+        rated = rated if cubic else []
+        self.outputs = [*outputs, *(f"{n}_rate" for n in rated)]
+        self.slot = {n: k for k, n in enumerate(self.outputs)}
+        self._output_buffer = (c_double * len(self.outputs))()
+        self._outputs = self._call(outputs, self._output_buffer, 0)
+        self._rates = self._call(rated, self._output_buffer, len(outputs), [1] * len(rated))
+        self.values: list[float] = [0.0] * len(self.outputs)
+
+    def _call(
+        self, names: Sequence[str], buffer: Array[c_double], first: int, orders: Sequence[int] | None = None
+    ) -> tuple[int, ...]:
+        """What a call for these variables takes after the component: addresses of the references, their number, the
+        addresses of the orders of derivatives if there are any, and of the values, in ``buffer`` from ``first`` on. Empty
+        if there is nothing to call for."""
+        references = (c_uint * len(names))(*(self.variables[n].value_reference for n in names))
+        kinds = (c_int * len(names))(*(orders or ()))
+        self._alive += [references, kinds]
+        middle = () if orders is None else (addressof(kinds),)
+        values = addressof(buffer) + first * sizeof(c_double)
+        return (addressof(references), len(names), *middle, values) if names else ()
 
     def _said(self) -> str:
         """The last thing the unit logged."""
@@ -181,23 +215,25 @@ class Unit:
 
     def set(self, time: float) -> None:
         """Pass the input buffer on."""
-        if self._input_count:
-            status = self._set_real(self._component, self._input_references, self._input_count, self.input_buffer)
+        if self._inputs:
+            status = self._set_real(self._component, *self._inputs)
             if status:
                 self._check(status, "setting inputs", time)
-            if self._slope_inputs:
-                count = len(self._slope_inputs)
-                self._check(
-                    self._set_slopes(self._component, self._slope_references, count, self._slope_orders, self.slopes),
-                    "setting input derivatives",
-                    time,
-                )
+        if self._taken:
+            status = self._set_derivatives(self._component, *self._taken)
+            if status:
+                self._check(status, "setting input derivatives", time)
 
     def get(self, time: float) -> list[float]:
         """Read the outputs into ``values``. Raises `RunError` if one is not finite."""
-        status = self._get_real(self._component, self._output_references, self._output_count, self._output_buffer)
-        if status:
-            self._check(status, "reading outputs", time)
+        if self._outputs:
+            status = self._get_real(self._component, *self._outputs)
+            if status:
+                self._check(status, "reading outputs", time)
+        if self._rates:
+            status = self._get_derivatives(self._component, *self._rates)
+            if status:
+                self._check(status, "reading output derivatives", time)
         return self._accept(self._output_buffer[:], time)
 
     def _accept(self, values: list[float], time: float) -> list[float]:
@@ -216,9 +252,10 @@ class Unit:
         """``advance(time, size)``: pass the input buffer on, step, read the outputs; one closure, because a step of a
         small unit costs no more than a few Python calls. Raises `StepRefused` if the unit would rather not step so far,
         `RunError` if it is beyond help or an output is not finite."""
-        component, do_step, get_real, count = self._component, self._do_step, self._get_real, self._output_count
-        references, buffer = self._output_references, self._output_buffer
-        set_inputs = self.set if self._input_count else None
+        component, do_step, get, buffer = self._component, self._do_step, self.get, self._output_buffer
+        set_inputs = self.set if self._inputs else None
+        get_real, outputs = self._get_real, self._outputs
+        plain = bool(outputs) and not self._rates
 
         def advance(time: float, size: float) -> list[float]:
             if set_inputs:
@@ -229,14 +266,12 @@ class Unit:
                     self._check(status, "the step", time)
                 said = self._said()
                 raise StepRefused(f"{self.name}, {STATUS[status]}" + (f": {said}" if said else ""))
-            status = get_real(component, references, count, buffer)
-            if status:
-                self._check(status, "reading outputs", time + size)
-            values = buffer[:]
-            if abs(sum(values)) < math.inf:
-                self.values = values
-                return values
-            return self._accept(values, time + size)
+            if plain and not get_real(component, *outputs):
+                values = buffer[:]
+                if abs(sum(values)) < math.inf:
+                    self.values = values
+                    return values
+            return get(time + size)
 
         return advance
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,13 +15,14 @@ from numpy.typing import NDArray
 
 from . import checks, judge, judge_slender, sdof
 from .errors import RunError, SceneError
-from .recorder import Recorder, read_journal
+from .flavour import Flavour, resolve
+from .recorder import Recorder, read_events, read_journal
 from .resolve import ResolvedScene
 from .result import Check, Result, Verdict
 from .scene import Scene
 from .schemes import ORDERS
 from .simulation import Run, Settings, simulate
-from .store import cache, locator
+from .store import cache
 from .system import System
 
 Array = NDArray[np.float64]
@@ -37,11 +39,13 @@ class Master:
     recorded until then.
     """
 
-    def __init__(self, scene: Scene, case: str | None = None, fmus: Path | None = None) -> None:
+    def __init__(
+        self, scene: Scene, case: str | None = None, fmus: Path | None = None, flavour: Flavour = "python"
+    ) -> None:
         self.case = case or (scene.cases[0].name if len(scene.cases) == 1 else "")
         self.scene = msgspec.structs.replace(scene.case(case) if case else scene, cases=())
-        self._locate = locator(fmus)
-        self.resolved = self.scene.resolve(self._locate)
+        self._resolve = partial(resolve, fmus=fmus, flavour=flavour)
+        self.resolved = self._resolve(self.scene)
 
     def run(self, report: Report | None = None, journal: Path | None = None) -> Result:
         """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk."""
@@ -110,6 +114,7 @@ class Master:
         result.verdict = Verdict("not judged", "the run failed", None, None)
         if journal:
             result.time, columns = read_journal(journal)
+            result.events = read_events(journal)
             names = [f"{u}.{v}" for u, v in self.resolved.record]
             self._fill_columns(result, columns, [n for n in names if n in columns])
         return result
@@ -170,6 +175,7 @@ class Master:
         return Result(
             title=self.scene.title, case=self.case, scheme=scheme, status="done", message="",
             time=np.empty(0), columns={}, units={}, checks=before, scene_source=self.scene.source,
+            flavours={name: unit.flavour for name, unit in self.resolved.units.items()},
         )  # fmt: skip
 
     def _fill(self, result: Result, system: System, run: Run, columns: dict[str, Array], recorded: list[str]) -> None:
@@ -193,7 +199,7 @@ class Master:
         self, scene: Scene, settings: Settings, report: Callable[[float], None]
     ) -> tuple[Array, dict[str, Array]]:
         """Another run: (time, columns)."""
-        system = self._system(scene.resolve(self._locate))
+        system = self._system(self._resolve(scene))
         recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
         try:
             simulate(system, settings, recorder, report)
@@ -263,14 +269,16 @@ class Master:
         result.response = sdof.response(system, check, omega, one_way, time)
 
 
-def run(scene: Scene | str | Path, case: str | None = None, report: Report | None = None) -> Result:
+def run(
+    scene: Scene | str | Path, case: str | None = None, report: Report | None = None, flavour: Flavour = "auto"
+) -> Result:
     """Run a scene (its path or name), or one case of it."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    return Master(loaded, case).run(report)
+    return Master(loaded, case, None, flavour).run(report)
 
 
-def run_all(scene: Scene | str | Path, report: Report | None = None) -> list[Result]:
+def run_all(scene: Scene | str | Path, report: Report | None = None, flavour: Flavour = "auto") -> list[Result]:
     """Run every case of a scene."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     names: list[str | None] = [case.name for case in loaded.cases]
-    return [Master(loaded, name).run(report) for name in names or [None]]
+    return [Master(loaded, name, None, flavour).run(report) for name in names or [None]]

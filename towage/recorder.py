@@ -1,7 +1,7 @@
 """What a run records: one row of doubles a point, kept in memory and, if wanted, in a journal file.
 
 A row of the journal is handed to the operating system at once (2 us), so that the journal is complete up to the point
-at which a process dies.
+at which a process dies. Events go to a file beside it, one JSON object a line.
 """
 
 from __future__ import annotations
@@ -9,10 +9,16 @@ from __future__ import annotations
 import json
 from array import array
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .result import Event
+
+EVENTS = ".events"
+"""Suffix of the file with the events of a journal."""
 
 
 class Recorder:
@@ -22,6 +28,7 @@ class Recorder:
         self.names = list(names)
         self.data = array("d")
         self._file = open(journal, "wb", buffering=0) if journal else None  # noqa: SIM115
+        self._events = journal.with_suffix(EVENTS) if journal else None
         if self._file:
             self._file.write(json.dumps(self.names).encode() + b"\n")
 
@@ -36,6 +43,12 @@ class Recorder:
                 self._file.write(self.data[begin:])
             except OSError:  # a full disk costs the journal, not the run
                 self.close()
+
+    def event(self, event: Event) -> None:
+        """Keep an event in the journal."""
+        if self._events:
+            with suppress(OSError), open(self._events, "a", encoding="ascii") as file:
+                file.write(json.dumps(vars(event)) + "\n")
 
     def close(self) -> None:
         """Close the journal."""
@@ -56,6 +69,15 @@ def read_journal(path: Path) -> tuple[NDArray[np.float64], dict[str, NDArray[np.
     except (OSError, ValueError):
         return np.empty(0), {}
     return _columns(np.frombuffer(data[: len(data) - len(data) % 8], dtype=np.float64), names)
+
+
+def read_events(path: Path) -> list[Event]:
+    """The events of a journal, whole lines only."""
+    try:
+        lines = path.with_suffix(EVENTS).read_text("ascii").splitlines(keepends=True)
+    except (OSError, ValueError):
+        return []
+    return [Event(**json.loads(line)) for line in lines if line.endswith("\n")]
 
 
 def _columns(data: NDArray[np.float64], names: list[str]) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:

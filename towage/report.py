@@ -67,6 +67,8 @@ def text_summary(result: Result) -> str:
     if speed is not None:
         took = "" if wall is None else f", {number(wall)} s for {number(_duration(result))} s"
         lines.append(f"  speed           {number(speed)} x real time{took}")
+    if result.flavours:
+        lines.append(f"  units           {result.made_of()}")
     return "\n".join(lines).translate(_ASCII)
 
 

@@ -108,7 +108,7 @@ def statistics(result: Result) -> str:
     if not result.statistics:
         return ""
     known = [name for name in _STATISTICS if name in result.statistics]
-    rows = []
+    rows = [("Units", result.made_of())] if result.flavours else []
     for name in (*known, *(name for name in result.statistics if name not in _STATISTICS)):
         label, unit = _STATISTICS.get(name, (name.replace("_", " "), ""))
         value = result.statistics[name]

@@ -36,12 +36,14 @@ class Connection(NamedTuple):
 
 
 class ResolvedUnit(msgspec.Struct, frozen=True):
-    """A unit that exists: its FMU, and the values set on it before the run, in the units its variables declare."""
+    """A unit that exists: its FMU, and the values set on it before the run, in the units its variables declare.
+    ``flavour``: python, native, or for a foreign FMU the tool that made it."""
 
     name: str
     path: Path
     description: Description
     parameters: dict[str, Value]
+    flavour: str = ""
 
 
 class ResolvedScene(msgspec.Struct, frozen=True):

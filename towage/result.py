@@ -102,7 +102,8 @@ class Result:
 
     ``one_way``: the same variables with the back reaction left out, on the same grid. ``coupling_error``: variable to
     estimated relative error. ``power_residual``: bond to relative energy residual. ``step_sizes``: accepted
-    communication steps, s. ``response``: curve ``ratio``, ``amplitude``, point ``operating`` and ``label``.
+    communication steps, s. ``flavours``: unit to ``python``, ``native`` or the tool that made its FMU.
+    ``response``: curve ``ratio``, ``amplitude``, point ``operating`` and ``label``.
     """
 
     title: str
@@ -124,6 +125,7 @@ class Result:
     statistics: dict[str, float] = field(default_factory=dict)
     step_sizes: Array = field(default_factory=lambda: np.empty(0))
     scene_source: str = ""
+    flavours: dict[str, str] = field(default_factory=dict)
     response: dict[str, Any] | None = None
 
     def __getitem__(self, name: str) -> Array:
@@ -147,6 +149,13 @@ class Result:
         """Variable and relative error of the largest estimate; None if nothing was estimated."""
         known = [(name, error) for name, error in self.coupling_error.items() if not math.isnan(error)]
         return max(known, key=lambda item: item[1], default=None)
+
+    def made_of(self) -> str:
+        """Units by the flavour of their FMU, as ``native: cradle, line; python: ship``; empty if not known."""
+        units: dict[str, list[str]] = {}
+        for name, flavour in self.flavours.items():
+            units.setdefault(flavour, []).append(name)
+        return "; ".join(f"{flavour}: {', '.join(names)}" for flavour, names in sorted(units.items()))
 
     def summary(self) -> dict[str, Any]:
         """Everything but the arrays, as finite JSON (NaN and infinity become null): events as counts per

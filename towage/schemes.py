@@ -32,7 +32,7 @@ ITERATION_TOLERANCE = 1e-11
 ROUND_OFF = 1e-8
 """A residual below this that no longer falls is round-off: a reaction is the difference of two large tensions."""
 HISTORY = 9
-"""Iterations that the quasi-Newton update looks back on."""
+"""Iterations that the quasi-Newton update looks back on, those of earlier steps included."""
 RESIDUAL_WEIGHT = 0.05
 
 
@@ -77,35 +77,43 @@ def hermite(system: System, time: float, step: float) -> float:
 
 
 def implicit(system: System, time: float, step: float) -> float:
-    """Corrector to convergence: unknown are the end values and rates of the signals that run backward."""
+    """Corrector to convergence: unknown are the end values and rates of the signals that run backward.
+
+    What earlier iterations told of the loop's Jacobian starts the next step too, as long as its length is the same and
+    nothing changed branch: two corrections are then the rule."""
     _predict(system, time, step)
     if not system.looped:
         return 0.0
     predicted = _sent(system)
     weights = np.array([w / max(s.scale, FLOOR) for s in system.backward for w in ((1.0, step) if s.rated else (1.0,))])
-    used, found = _ends(system), _ends(system)
-    residuals: list[Any] = []
-    results: list[Any] = []
-    best, stalled = math.inf, 0
+    learned = system.learned(step)
+    used = _ends(system)
+    before: tuple[Any, Any] | None = None
+    best, stalled, fresh = math.inf, 0, 0
     for _ in range(MAX_ITERATIONS):
         _set_ends(system, used)
         _correct(system, time, step)
         found = _ends(system)
-        residual = (found - used) * weights
-        size = float(np.max(np.abs(residual)))
+        residual = found - used
+        size = float(np.max(np.abs(residual * weights)))
         if not size < math.inf:
             break
         stalled = stalled + 1 if size > 0.5 * best else 0
         best = min(best, size)
         if size < ITERATION_TOLERANCE or (size < ROUND_OFF and stalled):
             return _change(predicted)
-        residuals.append(residual)
-        results.append(found)
+        if before:
+            learned.append((residual - before[0], found - before[1]))
+            fresh += 1
+        before = residual, found
+        kept = min(fresh, HISTORY) if stalled else HISTORY  # what an earlier step taught goes where it does not help
+        del learned[: max(0, len(learned) - kept)]
         used = found
-        if len(residuals) > 1:
-            differences = np.array([r - residual for r in residuals[-HISTORY:-1]]).T
-            mixture = np.linalg.lstsq(differences, -residual, rcond=1e-10)[0]
-            used = found + np.array([r - found for r in results[-HISTORY:-1]]).T @ mixture
+        if learned:
+            changes = weights[:, None] * np.array([r for r, _ in learned]).T
+            norms = np.linalg.norm(changes, axis=0) + 1e-300
+            mixture = np.linalg.lstsq(changes / norms, -residual * weights, rcond=1e-10)[0]
+            used = found + np.array([f for _, f in learned]).T @ (mixture / norms)
     raise RunError(
         f"the coupling did not converge in {MAX_ITERATIONS} iterations at a step of {step:g} s: try a smaller step, or "
         "join the tightly coupled units (cradle_on_line for a cradle on a stiff line)",

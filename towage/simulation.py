@@ -137,7 +137,7 @@ def _loop(
         _bookkeep(system, run, step)
         system.accept(step)
         if crossed or (at_clock and end >= announced):
-            _note(system, run, end, before, at_clock and end >= announced)
+            _note(system, run, recorder, end, before, at_clock and end >= announced)
             system.refresh(end)
         time = end
         before = _indications(system) if locate else []
@@ -248,8 +248,11 @@ def _again(system: System, scheme: Scheme, time: float, step: float, run: Run) -
     return done
 
 
-def _note(system: System, run: Run, time: float, before: list[tuple[float, float]], at_clock: bool) -> None:
+def _note(
+    system: System, run: Run, recorder: Recorder, time: float, before: list[tuple[float, float]], at_clock: bool
+) -> None:
     """Write events into the record."""
+    known = len(run.events)
     for (g0, _), (g1, _), (i, _, _, name) in zip(before, _indications(system), system.indicators):
         if (g0 > 0.0) != (g1 > 0.0):
             run.events.append(Event(time, system.units[i].name, name, 1 if g1 > 0.0 else -1))
@@ -257,6 +260,8 @@ def _note(system: System, run: Run, time: float, before: list[tuple[float, float
         for i, slot in system.clocks:
             if abs(system.units[i].values[slot] - time) <= 1e-9 * (1.0 + time):
                 run.events.append(Event(time, system.units[i].name, "time event", 0))
+    for event in run.events[known:]:
+        recorder.event(event)
 
 
 def _bonds(system: System) -> list[Bond]:

@@ -9,15 +9,18 @@ both ends of their inputs: no delay is added where the equations have none.
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from .archive import extract
+from .archive import unpacked
 from .fmu import Input, Unit
 from .resolve import Connection, ResolvedScene
+
+SAME_STEP = 1e-6
+"""Relative difference below which two step lengths are one: k h is not exactly the time."""
 
 
 @dataclass(slots=True)
@@ -53,6 +56,8 @@ class System:
         self.units: list[Unit] = []
         self.old_step = 0.0
         self.saved_at = math.nan
+        self._learned: list[tuple[Any, Any]] = []
+        self._learned_step = 0.0
         try:
             for resolved in scene.units.values():
                 self.units.append(_instantiate(resolved.name, scene, extracted, held))
@@ -133,6 +138,15 @@ class System:
                 for s in self.out[i]:
                     s.value, s.rate = s.end_value, s.end_rate
         self.old_step = 0.0
+        self._learned.clear()
+
+    def learned(self, step: float) -> list[tuple[Any, Any]]:
+        """What iterations at this step length told of the loop since the last event: (change of the residual, change of
+        the ends found) of one to the next, oldest first. The caller adds to it."""
+        if abs(step - self._learned_step) > SAME_STEP * step:
+            self._learned.clear()
+            self._learned_step = step
+        return self._learned
 
     def accept(self, step: float) -> None:
         """The end of the step becomes the communication point."""
@@ -208,13 +222,12 @@ class System:
         buffer = unit.input_buffer
         for s in self.into[i]:
             entry = s.entry
-            k = entry.slot
             a0, a1, a2, a3 = s.polynomial
-            if entry.smooth:
-                buffer[k], buffer[k + 1], buffer[k + 2], buffer[k + 3] = a0, a1, 2.0 * a2, 6.0 * a3
-            elif entry.interpolated:
-                buffer[k] = a0
-                unit.slopes[unit.slope_slot[entry.name]] = a1 + step * (a2 + step * a3)
+            k, d = entry.slot, entry.derivatives
+            if entry.orders == 3:
+                buffer[k], buffer[d], buffer[d + 1], buffer[d + 2] = a0, a1, 2.0 * a2, 6.0 * a3
+            elif entry.orders == 1:  # a straight line that ends where the signal does
+                buffer[k], buffer[d] = a0, a1 + step * (a2 + step * a3)
             elif entry.feedthrough:  # held over the step: what goes straight through should be right at its end
                 buffer[k] = a0 + step * (a1 + step * (a2 + step * a3))
             else:  # and what is integrated should be right on average
@@ -228,8 +241,7 @@ class System:
 
 def _instantiate(name: str, scene: ResolvedScene, extracted: Path, held: bool) -> Unit:
     resolved = scene.units[name]
-    directory = extracted / hashlib.sha256(resolved.path.read_bytes()).hexdigest()[:32]
-    extract(resolved.path, directory)
+    directory = unpacked(resolved.path, extracted)
     connected = [c.target for c in scene.connections if c.target_unit == name]
     sources = [c.source for c in scene.connections if c.source_unit == name]
     names = sources + [v for u, v in scene.record if u == name]

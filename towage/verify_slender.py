@@ -43,7 +43,7 @@ def _omega(s: complex) -> list[float]:
 
 def integrals(inputs: Values, expected: Values) -> Values:
     """Shape numbers, end integrals, tension and base drag."""
-    made = body(inputs)
+    made = body(inputs).ends
     values = made.shape._asdict()
     for number, end in (("1", made.nose), ("2", made.tail)):
         values |= {f"{name}{number}0": value for name, value in end._asdict().items()}

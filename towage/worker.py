@@ -8,7 +8,6 @@ work, in what, at which time) and the stack of a crash. These outlive the child 
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 import os
 import pickle
@@ -21,11 +20,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import errors
-from .child import Died, Report, converse
+from .child import Died, Report, attend, converse
 from .mark import Mark
 from .scene import Scene
 
 if TYPE_CHECKING:
+    from .flavour import Flavour
     from .result import Check, Result
 
 
@@ -36,11 +36,12 @@ class Request(NamedTuple):
     scene: Scene
     case: str | None
     fmus: Path | None
+    flavour: Flavour
     directory: Path
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; ``result`` holds what was recorded until then."""
+    """Ctrl-C or SIGTERM during a run; ``result`` holds what was recorded until then."""
 
     def __init__(self, result: Result) -> None:
         super().__init__(result.message)
@@ -53,8 +54,9 @@ def run_isolated(
     fmus: Path | None = None,
     report: Report | None = None,
     timeout: float = math.inf,
+    flavour: Flavour = "python",
 ) -> Result:
-    """What ``Master(scene, case, fmus).run(report)`` returns, computed in another process.
+    """What ``Master(scene, case, fmus, flavour).run(report)`` returns, computed in another process.
 
     A crash, an exit, a lack of memory or ``timeout`` s without progress (the time simulated does not move on) give a
     result with status "failed" that holds what was recorded. Raises what `Master` raises, and `Interrupted` on Ctrl-C.
@@ -64,15 +66,15 @@ def run_isolated(
 
     with tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True) as name:
         directory = Path(name)
-        request = Request("run", scene, case, fmus, directory)
+        request = Request("run", scene, case, fmus, flavour, directory)
         try:
             _ask(request, report, timeout)
             return Result.load_npz(directory / "result.npz")
         except Died as death:
-            message, interrupted = str(_named(death, directory)), False
+            message, interrupted = str(named(death, directory)), False
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
-        result = Master(scene, case, fmus).salvage(directory / "journal", message)
+        result = Master(scene, case, fmus, flavour).salvage(directory / "journal", message)
         reached = f"the record ends at t = {result.time[-1]:.9g} s" if len(result.time) else "nothing was recorded"
         result.message += f"; {reached}"
         if interrupted:
@@ -81,17 +83,21 @@ def run_isolated(
 
 
 def check_isolated(
-    scene: Scene, case: str | None = None, fmus: Path | None = None, timeout: float = math.inf
+    scene: Scene,
+    case: str | None = None,
+    fmus: Path | None = None,
+    timeout: float = math.inf,
+    flavour: Flavour = "python",
 ) -> list[Check]:
-    """What ``Master(scene, case, fmus).check()`` returns. Raises what that raises, and `RunError` where a unit ends the
+    """What ``Master(scene, case, fmus, flavour).check()`` returns. Raises what that raises, and `RunError` where a unit ends the
     process or does not come back within ``timeout`` s."""
     from .result import Check
 
     with tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True) as name:
         try:
-            found = _ask(Request("check", scene, case, fmus, Path(name)), None, timeout)
+            found = _ask(Request("check", scene, case, fmus, flavour, Path(name)), None, timeout)
         except Died as death:
-            raise _named(death, Path(name)) from None
+            raise named(death, Path(name)) from None
     return [Check(**values) for values in found]
 
 
@@ -107,7 +113,7 @@ def _ask(request: Request, report: Report | None, timeout: float) -> Any:
     return answer["done"]
 
 
-def _named(death: Died, directory: Path) -> errors.RunError:
+def named(death: Died, directory: Path) -> errors.RunError:
     """The death of a child with the unit, the time, and the line of the unit's script where these are known."""
     unit, stage, time = Mark.read(directory / "mark")
     where = f" in its {stage}" if stage else ""
@@ -129,18 +135,7 @@ def _rebuilt(answer: dict[str, Any]) -> errors.TowageError:
 
 def main() -> None:
     """The child: serves one request from stdin and leaves without clearing up, which is where libraries crash."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches both; the parent decides
-    commands, channel = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "w", encoding="ascii")
-    os.dup2(2, 1)
-    with open(os.devnull, "rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
-
-    def say(message: dict[str, Any]) -> None:
-        try:
-            print(json.dumps(message), file=channel, flush=True)
-        except OSError:  # the parent is gone
-            os._exit(1)
-
+    commands, say = attend()
     request: Request = pickle.load(commands)
     threading.Thread(target=lambda: (commands.read(), os._exit(1)), daemon=True).start()  # the end of the parent
     say(_serve(request, lambda share, text: say({"share": share, "text": text})))
@@ -149,20 +144,26 @@ def main() -> None:
     os._exit(0)
 
 
-def _serve(request: Request, report: Report) -> dict[str, Any]:
+def watch(directory: Path) -> None:
+    """Have this process leave its stack in ``directory`` when it crashes or is asked to."""
     import faulthandler
-    import traceback
 
-    stack = open(request.directory / "stack", "w")  # noqa: SIM115 - open until the process ends
+    stack = open(directory / "stack", "w")  # noqa: SIM115 - open until the process ends
     faulthandler.enable(stack)
     if hasattr(signal, "SIGUSR1"):
         faulthandler.register(signal.SIGUSR1, stack)
+
+
+def _serve(request: Request, report: Report) -> dict[str, Any]:
+    import traceback
+
+    watch(request.directory)
     try:
         from .master import Master
 
         report(0.0, "initialisation")
         Mark(request.directory / "mark").watch()
-        master = Master(request.scene, request.case, request.fmus)
+        master = Master(request.scene, request.case, request.fmus, request.flavour)
         if request.task == "check":
             return {"done": [vars(check) for check in master.check()]}
         master.run(report, request.directory / "journal").save_npz(request.directory / "result.npz")

@@ -23,10 +23,11 @@ struct Instance {
     Kind kind;
     Phase phase;
     double time, stop_time, offset, first_step;
-    bool touched, fresh, frozen, stale; /* stale: a tunable parameter changed, constants are computed before the next use */
-    double *values;  /* all variables */
+    bool touched, fresh, frozen, stale; /* stale: a parameter changed, constants are computed before the next use */
+    bool continuous; /* model exchange: continuous-time mode, otherwise event mode */
+    double *values;  /* all variables but states and their derivatives, which have their place unused */
     double *x, *m;   /* continuous state as stepped (reduced where reduced), modes */
-    double *p, *c;   /* parameters in force, constants */
+    double *p, *c;   /* parameters in force (with integration_tolerance), constants */
     double *k;       /* cubics of the inputs */
     Solver *solver;
     char message[1024];
@@ -34,7 +35,12 @@ struct Instance {
     const double **arguments;
     double **results;
     Integer *iw;
-    double *w, *scratch;
+    double *w;
+    double *u, *du, *ddu;                          /* inputs and their derivatives at the point that is looked at */
+    double *next_x, *next_m;                       /* results of a transition */
+    double *kept_x, *kept_m, *kept_p;              /* what a refused step or parameter goes back to */
+    double *seed_x, *seed_u, *seed_du;             /* directional derivatives */
+    double *sensed_outputs, *sensed_rates, *scratch; /* scratch: of the integrator, of requirements */
 };
 
 Instance *instance_new(const Unit *unit, Kind kind); /* NULL: no memory */
@@ -69,16 +75,19 @@ Outcome instance_get_states(Instance *, double *x, size_t count);
 Outcome instance_get_derivatives(Instance *, double *dx, size_t count);
 Outcome instance_get_indicators(Instance *, double *g, size_t count);
 Outcome instance_discrete_update(Instance *, bool *states_changed, double *next_event_time);
-Outcome instance_enter_continuous(Instance *); /* indicators of the branches in force are fixed */
+Outcome instance_enter_continuous(Instance *); /* branches are fixed from here on */
+Outcome instance_enter_event(Instance *);
 
 /* To the instance's own files: refuse with a message, call a traced function with arguments in a fixed order. */
 Outcome refuse(Instance *, Outcome, const char *format, ...);
 int traced(Instance *, const Function *, const double **arguments, double **results);
 
 /* linear.c */
-Outcome solver_make(Instance *);             /* constants c of the unit are known; makes or remakes the solver */
+/* Makes or remakes the solver: the constants c are known, p too, and get what the study of the unit finds (states used,
+ * errors, ...). The own states are in x behind all core states of the unreduced model, however few are in use. */
+Outcome solver_make(Instance *);
+bool solver_reduced(const Instance *); /* its states belong to its parameters: these must not change any more */
 void solver_free(Solver *);
-int solver_states(const Instance *);         /* length of x in force: reduced core and own states */
 Outcome solver_advance(Instance *, double step);
 Outcome solver_observe(Instance *, double t, const double *u, const double *du, double *observed, double *extras);
 Outcome solver_derivatives(Instance *, const double *u, const double *du, double *dx);

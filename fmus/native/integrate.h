@@ -10,6 +10,8 @@ typedef struct {
     void (*on_event)(void *context, double t, double *x);
 } System;
 
+enum { INTEGRATE_MAX_STEPS = 100000 };
+
 /* Doubles of work space that `integrate` needs. */
 int integrate_work(int states, int indicators);
 

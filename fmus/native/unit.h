@@ -15,7 +15,8 @@
 
 typedef long long Integer; /* CasADi's casadi_int */
 
-/* A traced function with its needs for work space; `call` is NULL where a unit has none. */
+/* A traced function with its needs for work space; `call` is NULL where a unit has none. Results must not overlap
+ * arguments: they are written while arguments are still read. */
 typedef struct {
     int (*call)(const double **arguments, double **results, Integer *iw, double *w, int memory);
     int arguments, results, integers, doubles; /* sz_arg, sz_res, sz_iw, sz_w of CasADi */
@@ -31,43 +32,58 @@ typedef struct {
     Variability variability;
 } Variable;
 
-/* A variant of a linear unit's set-up, against which an error is measured: the same tow with half the segments, or with
- * axial stiffness. error = weight * (largest relative difference of the gains over the band). Only if `when(p)` > 0. */
+/* Where the matrices of a linear unit are in its constants, column by column; A1, A2 follow A0, B1, B2 follow B0. */
 typedef struct {
-    Function setup; /* (p) -> c of the variant */
-    int states, constants, offset_a, offset_b, offset_c, offset_d, offset_e;
+    int states, inputs, rows, powers; /* n, k, r, 1 to 3 */
+    int constants;                    /* length of c */
+    int a, b, c, d, e;
+} Layout;
+
+/* Another set-up of a linear unit, against which this one is measured: the same tow with half the segments, or with axial
+ * stiffness. error = weight * (largest relative difference of the gains over the band), relative to this unit or, if that
+ * is truer, to the other. Only if `when(p)` > 0. */
+typedef struct {
+    Function setup; /* (p) -> c of the other */
+    Layout layout;
     Function when;  /* (p) -> 0 or 1; no call: always */
     double weight;
+    bool truer;
     int target;     /* constant of the unit to which the error is added */
 } Comparison;
 
+/* Up to which schedule modes are resolved: all of the first `modes` (Im >= 0, by magnitude) of the other set-up are met to
+ * the relative `error` by modes of this one, at multiples of `grid` up to `end`. `below`: constant with the magnitude from
+ * which on modes do not count (-1: all do). The result, at least grid/2, goes to the constant `target`. */
+typedef struct {
+    Function setup;
+    Layout layout;
+    int modes, below, target;
+    double error, grid, end;
+} Resolution;
+
 /* A linear unit: core states z of z' = A(s) z + B(s) v, y = C z + D v + E v', A(s) = A0 + s A1 + s^2 A2, likewise B, with
  * s the schedule (0 where there is none), stepped exactly while v are polynomials of time. x = (z, own): the own states
- * follow from polynomials of the inputs. All matrices are part of c, column by column, at the offsets given. */
+ * follow from polynomials of the inputs. */
 typedef struct {
-    int states, own, inputs, degree, rows, powers;      /* n, -, k, q, r, 1 to 3 */
-    int offset_a, offset_b, offset_c, offset_d, offset_e; /* of A0, B0, ...; A1, A2 follow A0 */
+    Layout layout;
+    int own, degree, rate_rows; /* -, q, the first rows of y whose rates are used */
     Function schedule;  /* (u, p, c) -> s */
     Function drive;     /* (own, k, p, c) -> (q+1) coefficients of 1, h, h^2, ... for each of v in turn */
     Function own_after; /* (h, own, k, p, c) -> own */
     Function own_rates; /* (own, u, du, p, c) -> own' (model exchange) */
     Function core;      /* (own, u, du, p, c) -> v, v', v'' */
-    Function core_forward;    /* core with seeds (d own, du, ddu): CasADi's fwd1 of core */
-    Function observe;         /* (t, own, y, y', u, du, growth, p, c) -> outputs, extras */
-    Function observe_forward; /* CasADi's fwd1 of observe */
-    double growth_cutoff; /* > 0: growth is the largest real part of the eigenvalues of A(s) below it in magnitude, else 0 */
+    Function observe;   /* (t, own, y, y', u, du, growth, p, c) -> outputs, extras */
+    Function schedule_forward, own_rates_forward, core_forward, observe_forward; /* arguments, results, seeds */
+    int growth; /* constant c: growth is the largest real part of the eigenvalues of A(s) below it in magnitude; -1: 0 */
     /* reduction at the start of a co-simulation; parameters by position, -1: none */
     int reduced, tolerance, band;
-    bool modal;           /* keep modes (elastic cables); else balance */
-    int measured_inputs;  /* the first of v that count in errors */
-    int constant_states, constant_error; /* where the number of states used and the error go, in c; -1: nowhere */
+    bool modal;          /* keep modes (elastic cables); else balance */
+    int measured;        /* constant with the number of the first of v that count in errors, -1: all */
+    int states_used, error; /* constants for the number of states used and the error, -1: nowhere */
+    int direct, direct_row, direct_column; /* four constants that hold a 2 by 2 block of D, row by row; -1: none */
     const Comparison *comparison;
     int comparisons;
-    /* resolution of the modes by schedule: s up to which the first `resolved_modes` (those below `resolved_cutoff` in
-     * magnitude, 0: all) agree to `resolved_error` with those of the variant `finer`, on a grid; goes to c */
-    const Comparison *finer;
-    int resolved_modes, constant_resolved;
-    double resolved_error, resolved_grid, resolved_end, resolved_cutoff;
+    const Resolution *resolution; /* NULL: none */
 } Linear;
 
 typedef struct {
@@ -77,6 +93,8 @@ typedef struct {
     int frozen;    /* position of freeze_branches among the parameters, -1: none */
     const Variable *variable;
     const int *rate;                /* observed i has its time derivative at observed rate[i], -1: by directional derivative */
+    const int *length;              /* elements that one FMI 3 reference delivers: n of an array at its first, 0 at its others,
+                                       else 1; NULL: no arrays */
     const char *const *requirement; /* messages, one for each result of `required` */
     const char *state_names;        /* "heave, velocity", for messages */
     Function setup;       /* (p) -> c */

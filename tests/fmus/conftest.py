@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from towage.fmus import native_fmu
 from towage.fmus.python_fmu import build
 
 UNITS = ("ship", "spring_line", "cradle", "cradle_on_line")
@@ -24,6 +26,33 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in UNITS:
         build(name, directory)
     return directory
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Path]:
+    """Builds the native FMU of a unit for FMI 2 or 3, once; its path."""
+    if not compiler_found():
+        pytest.skip("no C compiler")
+    directory = tmp_path_factory.mktemp("native")
+    return lambda name, fmi: native_fmu.build(name, directory / f"fmi{fmi}", fmi)[0]
+
+
+@pytest.fixture(scope="session")
+def flavours(fmus: Path, request: pytest.FixtureRequest) -> Callable[[str], Path]:
+    """The directory with the FMUs (FMI 2) of a flavour."""
+
+    def directory(flavour: str) -> Path:
+        if flavour == "python":
+            return fmus
+        paths = [request.getfixturevalue("native")(name, 2) for name in UNITS]
+        return Path(paths[0]).parent
+
+    return directory
+
+
+def compiler_found() -> bool:
+    """Whether native FMUs can be built here."""
+    return shutil.which("cc") is not None or importlib.util.find_spec("ziglang") is not None
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -160,3 +161,48 @@ def test_a_refused_step_leaves_the_instance_as_it_was(flexible: float) -> None:
     it.restore(before)
     it.do_step(0.1, 0.1)
     assert it.get_values([unit.index["tail"]]) == after
+
+
+@pytest.mark.parametrize("flexible", [0.0, 1.0])
+def test_native_flavour_steps_as_the_python_flavour(flexible: float, tmp_path: Path) -> None:
+    """Every theory, sway and a ramp of speed, with what is found at the start: resolved speed, scales; refusals."""
+    pytest.importorskip("casadi")
+    from towage.fmus.trace import trace
+
+    from .native_instance import DONE, NO_STEP, REFUSED, NativeInstance, unit_library
+
+    unit = load("slender_body")
+    traced = trace(unit, {"flexible": flexible})
+    library = unit_library(traced, tmp_path)
+    names = [v.name for v in (*unit.calculated, *unit.observed)]
+    for theory in (0.0, 1.0, 2.0):
+        start = {
+            "flexible": flexible, "theory": theory, "tow_speed": 2.0, "yaw_start": 0.01, "lateral_start": 0.1,
+            "rope_length": 7.0, "tail_cut": 0.7, "structural_damping": 0.5, "tail_factor": 0.8,
+        }  # fmt: skip
+        native, it = NativeInstance(library, traced, **start), Instance(unit)
+        assert native.initialized == DONE
+        it.set_values([unit.index[k] for k in start], list(start.values()))
+        it.enter_initialization()
+        it.exit_initialization()
+        references = [unit.index[n] for n in names]
+        largest = [abs(v) for v in it.get_values(references)]
+        for k in range(60):
+            slope = 0.05 if k >= 20 else 0.0
+            inputs = {
+                "tow_speed": 2.0 + 0.1 * slope * max(0, k - 20), "tow_speed_d1": slope,
+                "craft_lateral": 0.1 * math.sin(0.05 * k), "craft_lateral_d1": 0.05 * math.cos(0.05 * k),
+            }  # fmt: skip
+            assert native.set(**inputs) == DONE
+            it.set_values([unit.index[n] for n in inputs], list(inputs.values()))
+            assert native.step(0.1 * k, 0.1) == DONE
+            it.do_step(0.1 * k, 0.1)
+            wanted = it.get_values(references)
+            largest = [max(a, abs(b)) for a, b in zip(largest, wanted)]
+            # eigenvalues to 1e-16 of the largest, 1e4 times the growth rate: 1e-11; all else is better than 1e-12
+            for name, a, b, size in zip(names, native.get(*names), wanted, largest):
+                assert a == pytest.approx(b, abs=1e-10 * size), name
+        assert native.set(tow_speed=-1.0, tow_speed_d1=0.0) == DONE
+        assert native.step(6.0, 0.1) == NO_STEP
+    for bad in ({"end_length": 0.1}, {"theory": 0.5}, {"theory": 2.0, "tail_factor": 3.0}):
+        assert NativeInstance(library, traced, **({"flexible": flexible} | bad)).initialized == REFUSED

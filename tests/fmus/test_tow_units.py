@@ -240,6 +240,34 @@ def test_reaction_signs() -> None:
     assert reaction > 0.0 and tension > steady
 
 
+def test_tuning_keeps_the_state_and_moves_the_steady_tow() -> None:
+    instance, fresh = started("tow_system", reduced=0.0), started("tow_system", reduced=0.0, tow_speed=4.0)
+    index = instance.unit.index
+    sine(instance, "velocity_heave", 0.2, 0.0)
+    instance.do_step(0.0, STEP)
+    x, (before,) = instance.state()[7], get(instance, "steady_tension_top")
+    assert any(x)
+    instance.set_values([index["tow_speed"]], [4.0])
+    assert get(instance, "steady_tension_top") == get(fresh, "steady_tension_top") != [before]
+    assert instance.state()[7] == x
+    instance.do_step(STEP, STEP)
+    instance.set_values([index["tow_speed"]], [-4.0])
+    with pytest.raises(CallError, match="speed is -4"):
+        instance.do_step(2.0 * STEP, STEP)
+    assert get(instance, "tow_speed") == [4.0]
+
+
+@pytest.mark.parametrize("options", [{"reduced": 1.0}, {"reduced": 0.0, "segments": 0.0, "tolerance": 0.5}])
+def test_a_reduced_model_cannot_be_tuned(options: dict[str, float]) -> None:
+    instance = started("tow_system", **options)
+    before = get(instance, "tension_top")
+    instance.set_values([instance.unit.index["tow_speed"]], [4.0])
+    with pytest.raises(CallError, match="reduced = 0"):
+        instance.do_step(0.0, STEP)
+    assert get(instance, "tension_top") == before
+    instance.do_step(0.0, STEP)
+
+
 def test_parameters_of_unit_and_model_agree() -> None:
     assert {v.name for v in load("tow_system").parameters} == set(cable_tow_system.Parameters.__dataclass_fields__)
     assert cmath.isfinite(complex(get(started("tow_system"), "model_error")[0]))

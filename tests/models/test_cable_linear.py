@@ -13,8 +13,9 @@ import pytest
 
 from towage.models.cable_case import CableError, Tow
 from towage.models.cable_fidelity import choose, exact_gains
+from towage.models.cable_forces import node_load, segment_forces
 from towage.models.cable_linear import LinearModel, cable_elastic, rigid_model, tow_elastic, tow_rigid
-from towage.models.cable_lumped import Chain, equilibrium, matrices, node_load, segment_forces
+from towage.models.cable_lumped import Chain, equilibrium, matrices
 from towage.models.cable_reduction import reduce, relative_error, stable, transfer
 from towage.models.cable_response import respond
 from towage.models.cable_steady import steady

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from towage.models.cable_case import Body, Cable, CableError, Tow
-from towage.models.cable_linear import steady_towpoint_force, tow_elastic
+from towage.models.cable_linear import tow_elastic
 from towage.models.cable_loading import eames
-from towage.models.cable_lumped import equilibrium
+from towage.models.cable_lumped import equilibrium, steady_towpoint_force
 from towage.models.cable_nonlinear import NonlinearCable, nonlinear_cable
 
 

@@ -156,5 +156,6 @@ def test_calm_is_still_and_its_margins_are_finite() -> None:
 
 
 def test_too_few_directions_are_refused() -> None:
-    assert "directions" in (ship_in_sea.problem(replace(PARAMETERS, spreading=8.0)) or "")
-    assert ship_in_sea.problem(PARAMETERS) is None
+    for spreading, enough in ((8.0, False), (-1.0, True)):
+        ((value, text),) = ship_in_sea.requirements(replace(PARAMETERS, spreading=spreading), FLOATS)
+        assert (value > 0.0) == enough and "directions" in text

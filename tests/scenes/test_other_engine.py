@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from towage.flavour import Flavour
 from towage.master import Master
 from towage.monolithic import dimensionless_scene
 
@@ -41,10 +42,13 @@ print(json.dumps(rows))
 """
 
 
-def test_jacobi_equals_libcosim(tmp_path: Path) -> None:
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_jacobi_equals_libcosim(flavour: Flavour, tmp_path: Path) -> None:
     """To round-off over 300 steps, ship, line and cradle coupled both ways."""
     import json
 
+    if flavour == "native":
+        pytest.importorskip("casadi")
     step, steps = 0.05, 300
     scene = dimensionless_scene(
         0.3,
@@ -54,7 +58,7 @@ def test_jacobi_equals_libcosim(tmp_path: Path) -> None:
         coupling={"scheme": "jacobi", "step": step},
         ship={"mass": 10.0, "stiffness": 22.5, "damping": 1.5},
     )
-    master = Master(scene)
+    master = Master(scene, flavour=flavour)
     result = master.run()
     references = {
         name: {v.name: v.value_reference for v in unit.description.variables}

@@ -31,7 +31,7 @@ def execute(arguments: argparse.Namespace) -> int:
     for name in names:
         label = name or scene.title
         try:
-            checks = check_isolated(scene, name, arguments.fmus, arguments.timeout)
+            checks = check_isolated(scene, name, arguments.fmus, arguments.timeout, arguments.flavour)
         except TowageError as error:
             complain(f"{label}: {error}")
             document.append({"case": name or "", "checks": [], "error": str(error)})

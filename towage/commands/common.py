@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import math
+import signal
+import sys
+import threading
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -28,6 +33,13 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
         "(may be repeated)",
     )
     add_fmus(parser)
+    parser.add_argument(
+        "--flavour",
+        choices=("auto", "python", "native"),
+        default="auto",
+        help="which FMUs of the shipped units: native where present (auto), none, or built where they are not; units "
+        "that have no native flavour run in Python (default: auto)",
+    )
     parser.add_argument(
         "--timeout",
         metavar="SECONDS",
@@ -71,8 +83,10 @@ def seconds(text: str) -> float:
 def load(arguments: argparse.Namespace) -> tuple[Scene, list[str | None]]:
     """The scene with the values of ``--set``, and the names of the cases to do (None: the scene itself).
 
-    Every case is checked against the descriptions of the units. Raises `SceneError` and `FmuError`.
+    Every case is checked against the descriptions of the units, and the FMUs that are wanted are built. Raises
+    `SceneError` and `FmuError`.
     """
+    from ..flavour import resolve
     from ..scene import Scene
     from ..store import locator
 
@@ -83,7 +97,22 @@ def load(arguments: argparse.Namespace) -> tuple[Scene, list[str | None]]:
     for name in names:
         scene.case(name or "")
     scene.resolve(locator(arguments.fmus))
+    for name in names or [None]:  # here, where no timeout runs; the runs find them in the cache
+        for variant in _variants(scene.case(name) if name else scene):
+            resolve(variant, arguments.fmus, arguments.flavour, _tell)
     return scene, names or [None]
+
+
+def _variants(scene: Scene) -> list[Scene]:
+    """What a run of the scene runs."""
+    from msgspec.structs import replace
+
+    one = replace(scene, cases=())
+    return [one, one.simpler()] if one.checks.simpler else [one]
+
+
+def _tell(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def override(scene: Scene, values: dict[str, Any]) -> Scene:
@@ -102,3 +131,20 @@ def override(scene: Scene, values: dict[str, Any]) -> Scene:
     cases = tuple(replace(c, set={k: v for k, v in c.set.items() if k not in taken}) for c in scene.cases)
     note = "".join(f"# {option} {key}={value}\n" for key, value in values.items())
     return replace(changed, cases=cases, source=f"{scene.source.rstrip()}\n\n{note}" if scene.source else "")
+
+
+@contextlib.contextmanager
+def terminable() -> Iterator[None]:
+    """SIGTERM is Ctrl-C meanwhile: batch systems end a job with it, and what was recorded is worth keeping."""
+    if threading.current_thread() is not threading.main_thread():  # only there may it be caught
+        yield
+        return
+
+    def interrupt(number: int, frame: object) -> NoReturn:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -21,11 +21,14 @@ def execute(arguments: argparse.Namespace) -> int:
     from ..scene import available_scenes
 
     scenes = {scene.name: scene.title for scene in available_scenes()}
-    units = {name: load(name).description for name in UNITS}
+    declared = [load(name) for name in UNITS]
+    units = {u.name: u.description + (" (Python flavour only)" if u.not_native else "") for u in declared}
     if arguments.json:
         document = {
             "scenes": [{"name": name, "title": title} for name, title in scenes.items()],
-            "units": [{"name": name, "description": text} for name, text in units.items()],
+            "units": [
+                {"name": u.name, "description": u.description, "native": not u.not_native} for u in declared
+            ],
         }
         print(json.dumps(document, indent=2))
         return 0

@@ -60,7 +60,8 @@ def execute(arguments: argparse.Namespace) -> int:
     interrupted = False
     for name in names:
         try:
-            result = _run(scene, name, name or stem, arguments)
+            with common.terminable():
+                result = _run(scene, name, name or stem, arguments)
         except Interrupted as stop:
             result, interrupted = stop.result, True
         except TowageError as error:  # the other cases may be sound
@@ -107,11 +108,12 @@ def _run(scene: Scene, name: str | None, label: str, arguments: argparse.Namespa
                 arguments.fmus,
                 lambda share, text: bar.update(share * stop, text),
                 arguments.timeout,
+                arguments.flavour,
             )
     except RunError as error:
         from ..master import Master
 
-        return Master(scene, name, arguments.fmus).salvage(None, str(error))
+        return Master(scene, name, arguments.fmus, arguments.flavour).salvage(None, str(error))
 
 
 def _write(result: Result, path: Path, mat: bool) -> list[Path]:

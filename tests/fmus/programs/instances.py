@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from host import FATAL, OK, STARTS, random_inputs, run_checks
+from host import FATAL, OK, STARTS, only, random_inputs, run_checks
 
 
 def run(it, seed, steps=20):
@@ -19,6 +19,7 @@ def run(it, seed, steps=20):
     return seen
 
 
+@only(flavour="python")
 def check_runs_the_code_it_carries(fmu):
     """Every module of the unit lies in the unpacked FMU and is as packed; the work tree is not even importable."""
     path = list(sys.path)
@@ -39,6 +40,7 @@ def check_runs_the_code_it_carries(fmu):
     it.free()
 
 
+@only(flavour="python")
 def check_a_freed_instance_is_gone(fmu):
     """No reference is left behind, with and without a failure."""
     for failing in (False, True):

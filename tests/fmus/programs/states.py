@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from host import FATAL, OK, STARTS, Fmu, only, random_inputs, run_checks
+from host import OK, STARTS, Fmu, only, random_inputs, run_checks
 
 
 def walk(it, fmu, rng, time, steps):
@@ -129,9 +129,9 @@ def check_foreign_bytes_are_refused(fmu):
     it.free()
     own = fmu.ready(STARTS[fmu.name])
     good = own.serialize(own.get_state())
-    for text in (foreign, b"", b"\xff\x00", b"[]", b"null", good[:-1], good.replace(b", ", b", 1.0, ", 20), good[1:]):
+    for text in (foreign, b"", b"\xff\x00", b"[]", b"null", good[:-1], good + good, good[1:]):
         it = fmu.ready(STARTS[fmu.name])
-        assert it.set_state(it.deserialize(text)) == FATAL, text
+        assert it.set_state_of(text) == fmu.refusal, text
         assert f"not a state of {fmu.name}" in it.messages[-1][2], it.messages
         it.free()
     assert own.step(0.0, 0.1) == OK

@@ -1,0 +1,12 @@
+/* The smallest model that is good enough: models/cable_reduction.py in C, the same methods and decisions. */
+#ifndef TOWAGE_REDUCE_H
+#define TOWAGE_REDUCE_H
+
+#include "gains.h"
+
+/* `model` becomes the smallest stable model whose error up to the unit's `band` is at most what the comparisons left of its
+ * `tolerance`, its matrices in `room` (as large as the unreduced ones); it stays as it is where there is none. The error is
+ * added to the unit's constant. */
+Outcome reduce(Instance *, StateSpace *model, double *room);
+
+#endif

@@ -1,0 +1,105 @@
+/* Setting and getting values: what may be set when, and what must be computed before it can be read. */
+
+#include "core.h"
+
+#include <math.h>
+
+static bool settable(const Instance *it, const Variable *v)
+{
+    if (v->causality != INPUT && v->causality != PARAMETER)
+        return false;
+    return it->phase == INSTANTIATED || it->phase == INITIALIZING || (it->phase == STEPPING && v->variability != FIXED);
+}
+
+/* In continuous-time mode only the inputs and their derivatives, which come after all other parameters. */
+static bool held(const Instance *it, unsigned reference)
+{
+    return it->continuous && reference < (unsigned)first_input(it->unit);
+}
+
+/* The states of a reduced model have no meaning for other parameters. */
+static bool tied(const Instance *it, unsigned reference)
+{
+    return it->phase == STEPPING && reference < (unsigned)first_calculated(it->unit) && solver_reduced(it);
+}
+
+static Outcome refuse_set(Instance *it, unsigned reference, double value)
+{
+    static const char *const causalities[] = {"parameter", "calculatedParameter", "input", "output", "local"};
+    static const char *const variabilities[] = {"fixed", "tunable", "discrete", "continuous"};
+    const Variable *v = &it->unit->variable[reference];
+    Number text;
+    if (!settable(it, v))
+        return refuse(it, REFUSED, "%s may not be set in phase %s: it is a %s %s", v->name, phase_name(it->phase),
+                      variabilities[v->variability], causalities[v->causality]);
+    if (held(it, reference))
+        return refuse(it, REFUSED, "%s may not be set in continuous-time mode: it is a tunable parameter", v->name);
+    if (tied(it, reference))
+        return refuse(it, REFUSED, "%s may not be set: the states of another reduced model mean something else, this needs "
+                      "reduced = 0", v->name);
+    return refuse(it, REFUSED, "%s = %s: expected a finite number", v->name, shortest(value, text));
+}
+
+Outcome instance_set(Instance *it, const unsigned *references, size_t count, const double *values)
+{
+    for (size_t i = 0; i < count; i++) {
+        const Outcome outcome = known_reference(it, references[i]);
+        if (outcome != DONE)
+            return outcome;
+        if (!settable(it, &it->unit->variable[references[i]]) || held(it, references[i])
+            || tied(it, references[i]) || !is_finite(values[i]))
+            return refuse_set(it, references[i], values[i]);
+    }
+    for (size_t i = 0; i < count; i++) {
+        it->values[references[i]] = values[i];
+        it->stale = it->stale || references[i] < (unsigned)first_calculated(it->unit);
+    }
+    it->touched = true;
+    it->fresh = false;
+    return DONE;
+}
+
+/* Whether all references are parameters, inputs and their derivatives, whose values are always up to date. */
+static bool given(const Unit *unit, const unsigned *references, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (references[i] >= (unsigned)first_observed(unit)
+            || (references[i] >= (unsigned)first_calculated(unit) && references[i] < (unsigned)first_input(unit)))
+            return false;
+    return true;
+}
+
+/* States and their derivatives, which are not among the values. A reduced model has no such core states: NaN. */
+static double state_value(const Instance *it, int position)
+{
+    const Unit *unit = it->unit;
+    const int state = position % unit->states;
+    if (unit->linear && solver_reduced(it) && state < unit->linear->layout.states)
+        return NAN;
+    return position < unit->states ? it->x[position] : it->sensed_rates[state];
+}
+
+Outcome instance_get(Instance *it, const unsigned *references, size_t count, double *values)
+{
+    const Unit *unit = it->unit;
+    const unsigned state = (unsigned)first_state(unit), rate = (unsigned)first_rate(unit), extra = (unsigned)first_extra(unit);
+    bool rated = false;
+    Outcome outcome = DONE;
+    for (size_t i = 0; i < count; i++) {
+        if ((outcome = known_reference(it, references[i])) != DONE)
+            return outcome;
+        rated = rated || (references[i] >= rate && references[i] < extra);
+    }
+    /* parameters can be read while they do not fit together yet */
+    if (!it->fresh && (it->phase != INITIALIZING || !given(unit, references, count)))
+        outcome = refresh(it);
+    if (outcome == DONE && rated && it->phase != INSTANTIATED)
+        outcome = state_rates(it, it->sensed_rates);
+    for (size_t i = 0; outcome == DONE && i < count; i++) {
+        const bool stored = references[i] < state || references[i] >= extra;
+        values[i] = stored ? it->values[references[i]] : state_value(it, (int)(references[i] - state));
+        if (!is_finite(values[i])) /* a calculated parameter: outputs were checked */
+            outcome = refuse(it, REFUSED, "%s is not finite", unit->variable[references[i]].name);
+    }
+    return outcome;
+}

@@ -1,0 +1,162 @@
+#define _POSIX_C_SOURCE 200809L
+#include "fmu.h"
+
+#include <dlfcn.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "fmi2Functions.h"
+#include "fmi3Functions.h"
+
+static void print2(fmi2ComponentEnvironment fmu, fmi2String instance, fmi2Status status, fmi2String category,
+                 fmi2String message, ...)
+{
+    va_list arguments;
+    if (((const Fmu *)fmu)->silent)
+        return;
+    fprintf(stderr, "%s: %d %s: ", instance, (int)status, category);
+    va_start(arguments, message);
+    vfprintf(stderr, message, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+}
+
+static void print3(fmi3InstanceEnvironment fmu, fmi3Status status, fmi3String category, fmi3String message)
+{
+    if (!((const Fmu *)fmu)->silent)
+        fprintf(stderr, "%d %s: %s\n", (int)status, category, message);
+}
+
+
+/* The functions of either standard, in order of use. */
+#define FMI2(use) \
+    use(Instantiate) use(FreeInstance) use(SetupExperiment) use(EnterInitializationMode) use(ExitInitializationMode) \
+    use(Reset) use(SetReal) use(GetReal) use(DoStep) use(GetFMUstate) use(SetFMUstate) use(FreeFMUstate) \
+    use(SerializedFMUstateSize) use(SerializeFMUstate) use(DeSerializeFMUstate)
+#define FMI3(use) \
+    use(InstantiateCoSimulation) use(FreeInstance) use(EnterInitializationMode) use(ExitInitializationMode) \
+    use(Reset) use(SetFloat64) use(GetFloat64) use(DoStep) use(GetFMUState) use(SetFMUState) use(FreeFMUState) \
+    use(SerializedFMUStateSize) use(SerializeFMUState) use(DeserializeFMUState)
+#define POINTER2(name) fmi2##name##TYPE *name;
+#define POINTER3(name) fmi3##name##TYPE *name;
+static struct { FMI2(POINTER2) } two; /* of the one library that a host loads */
+static struct { FMI3(POINTER3) } three;
+static fmi2CallbackFunctions callbacks = {print2, calloc, free, NULL, NULL};
+
+static bool find(void *library, const char *name, void *pointer)
+{
+    *(void **)pointer = dlsym(library, name); /* the way POSIX offers from an object to a function pointer */
+    if (!*(void **)pointer)
+        fprintf(stderr, "the library has no %s\n", name);
+    return *(void **)pointer != NULL;
+}
+
+bool fmu_load(Fmu *fmu, const char *path, int version, const char *token)
+{
+    bool found = true;
+    fmu->version = version;
+    fmu->token = token;
+    fmu->silent = false;
+    callbacks.componentEnvironment = fmu;
+    fmu->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!fmu->library) {
+        fprintf(stderr, "%s\n", dlerror());
+        return false;
+    }
+#define FIND2(name) found = find(fmu->library, "fmi2" #name, &two.name) && found;
+#define FIND3(name) found = find(fmu->library, "fmi3" #name, &three.name) && found;
+    if (version == 2) {
+        FMI2(FIND2)
+    } else {
+        FMI3(FIND3)
+    }
+    return found;
+}
+
+void fmu_unload(Fmu *fmu) { dlclose(fmu->library); }
+
+void *fmu_instantiate(const Fmu *fmu, const char *name)
+{
+    if (fmu->version == 3)
+        return three.InstantiateCoSimulation(name, fmu->token, NULL, false, true, false, false, NULL, 0, (void *)fmu, print3,
+                                             NULL);
+    return two.Instantiate(name, fmi2CoSimulation, fmu->token, "", &callbacks, fmi2False, fmi2True);
+}
+
+int fmu_initialize(const Fmu *fmu, void *it, double start)
+{
+    int status;
+    if (fmu->version == 3) {
+        status = three.EnterInitializationMode(it, false, 0.0, start, false, 0.0);
+        return status ? status : (int)three.ExitInitializationMode(it);
+    }
+    status = two.SetupExperiment(it, fmi2False, 0.0, start, fmi2False, 0.0);
+    status = status ? status : (int)two.EnterInitializationMode(it);
+    return status ? status : (int)two.ExitInitializationMode(it);
+}
+
+int fmu_reset(const Fmu *fmu, void *it) { return fmu->version == 3 ? (int)three.Reset(it) : (int)two.Reset(it); }
+
+void fmu_free(const Fmu *fmu, void *it)
+{
+    if (fmu->version == 3)
+        three.FreeInstance(it);
+    else
+        two.FreeInstance(it);
+}
+
+int fmu_set(const Fmu *fmu, void *it, const unsigned *references, size_t count, const double *values)
+{
+    return fmu->version == 3 ? (int)three.SetFloat64(it, references, count, values, count)
+                             : (int)two.SetReal(it, references, count, values);
+}
+
+int fmu_get(const Fmu *fmu, void *it, const unsigned *references, size_t count, double *values)
+{
+    return fmu->version == 3 ? (int)three.GetFloat64(it, references, count, values, count)
+                             : (int)two.GetReal(it, references, count, values);
+}
+
+int fmu_step(const Fmu *fmu, void *it, double time, double step)
+{
+    bool events, terminate, early;
+    double last;
+    return fmu->version == 3 ? (int)three.DoStep(it, time, step, true, &events, &terminate, &early, &last)
+                             : (int)two.DoStep(it, time, step, fmi2True);
+}
+
+int fmu_get_state(const Fmu *fmu, void *it, void **state)
+{
+    *state = NULL;
+    return fmu->version == 3 ? (int)three.GetFMUState(it, state) : (int)two.GetFMUstate(it, state);
+}
+
+int fmu_set_state(const Fmu *fmu, void *it, void *state)
+{
+    return fmu->version == 3 ? (int)three.SetFMUState(it, state) : (int)two.SetFMUstate(it, state);
+}
+
+int fmu_free_state(const Fmu *fmu, void *it, void **state)
+{
+    return fmu->version == 3 ? (int)three.FreeFMUState(it, state) : (int)two.FreeFMUstate(it, state);
+}
+
+int fmu_state_size(const Fmu *fmu, void *it, void *state, size_t *size)
+{
+    return fmu->version == 3 ? (int)three.SerializedFMUStateSize(it, state, size)
+                             : (int)two.SerializedFMUstateSize(it, state, size);
+}
+
+int fmu_serialize(const Fmu *fmu, void *it, void *state, void *bytes, size_t size)
+{
+    return fmu->version == 3 ? (int)three.SerializeFMUState(it, state, bytes, size)
+                             : (int)two.SerializeFMUstate(it, state, bytes, size);
+}
+
+int fmu_deserialize(const Fmu *fmu, void *it, const void *bytes, size_t size, void **state)
+{
+    *state = NULL;
+    return fmu->version == 3 ? (int)three.DeserializeFMUState(it, bytes, size, state)
+                             : (int)two.DeSerializeFMUstate(it, bytes, size, state);
+}

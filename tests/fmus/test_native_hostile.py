@@ -1,0 +1,70 @@
+"""Hostile calls of the native sources under the address and undefined behaviour sanitizers (``host/fuzz.c``)."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from towage.fmus.trace import trace
+from towage.fmus.unit import load
+
+from . import linear_example
+from .conftest import UNITS, compiler_found
+from .native_host import HOST, RUNTIME, compile_c, write_sources
+
+SANITIZERS = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", f"-I{RUNTIME}")
+
+LINEAR = "linear_example"
+
+
+@pytest.fixture(scope="module")
+def fuzz(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int, int], str]:
+    """What the fuzzer prints for a unit, a seed and a number of calls."""
+    if not compiler_found():
+        pytest.skip("no C compiler")
+    directory = tmp_path_factory.mktemp("fuzz")
+    try:
+        (directory / "empty.c").write_text("int main(void) { return 0; }\n")
+        compile_c([directory / "empty.c"], directory / "empty", *SANITIZERS)
+        subprocess.run([directory / "empty"], check=True, timeout=60)
+    except (AssertionError, subprocess.CalledProcessError):
+        pytest.skip("the C compiler has no address sanitizer")
+
+    @cache
+    def program(name: str) -> Path:
+        traced = trace(linear_example.unit(linear_example) if name == LINEAR else load(name))
+        sources = [*RUNTIME.glob("*.c"), *HOST.glob("fuzz*.c"), *write_sources(traced, directory / name)]
+        return compile_c(sources, directory / f"fuzz_{name}", *SANITIZERS)
+
+    def run(name: str, seed: int, calls: int) -> str:
+        done = subprocess.run(
+            [program(name), str(seed), str(calls)], capture_output=True, text=True, timeout=1200,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-3000:]
+        return done.stdout
+
+    return run
+
+
+def accepted(said: str) -> tuple[int, int]:
+    """(calls, those that were accepted)"""
+    words = said.split()
+    return int(words[0]), int(words[2])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_calls(seed: int, fuzz: Callable[[str, int, int], str]) -> None:
+    calls, good = accepted(fuzz("cradle_on_line", seed, 10_000))
+    assert calls == 10_000
+    assert 0.2 < good / calls < 0.8, "all hostile or all harmless: the fuzzer finds nothing then"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 103))
+@pytest.mark.parametrize("name", (*UNITS, LINEAR))
+def test_many_random_calls(name: str, seed: int, fuzz: Callable[[str, int, int], str]) -> None:
+    assert accepted(fuzz(name, seed, 300_000))[0] == 300_000

@@ -1,0 +1,70 @@
+"""``towage export``: a scene for another co-simulation host."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from . import common
+
+HELP = "write a scene as a system of OSP or SSP, for another host"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of ``towage export``."""
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("--case", metavar="NAME", help="with the values of this case (default: the scene's own)")
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        type=common.setting,
+        default=[],
+        help="a value in place of the scene's and its cases', as in towage run (may be repeated)",
+    )
+    common.add_fmus(parser)
+    parser.add_argument(
+        "--flavour",
+        choices=("auto", "python", "native"),
+        default="auto",
+        help="which FMUs of the shipped units, as in towage run (default: auto)",
+    )
+    target = parser.add_mutually_exclusive_group(required=True)
+    target.add_argument("--osp", metavar="DIR", type=Path, help="a directory for libcosim, Kopl and cosim")
+    target.add_argument("--ssp", metavar="FILE", type=Path, help="an SSP 1.0 archive, for OMSimulator and others")
+    parser.epilog = (
+        "The host holds inputs over the scene's step, as scheme jacobi does; docs/hosts.md tells what was tried.\n\n"
+        "example:\n  towage export sea_cliff --case '8 s wave' --osp out/sea_cliff_osp --flavour native"
+    )
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """0."""
+    from msgspec.structs import replace
+
+    from ..export import prepare
+    from ..flavour import resolve
+    from ..scene import Scene
+
+    scene = Scene.load(arguments.scene)
+    if arguments.set:
+        scene = common.override(scene, dict(arguments.set))
+    one = replace(scene.case(arguments.case) if arguments.case else scene, cases=())
+    export = prepare(resolve(one, arguments.fmus, arguments.flavour, lambda text: print(text, file=sys.stderr)))
+    if arguments.osp:
+        from ..export_osp import write_osp
+
+        names = ", ".join(path.name for path in write_osp(export, arguments.osp))
+        print(f"written to {arguments.osp}: {names}")
+    else:
+        from ..export_ssp import write_ssp
+
+        write_ssp(export, arguments.ssp)
+        print(f"written to {arguments.ssp}")
+    if one.coupling.scheme != "jacobi":
+        print(
+            f"The host couples at {export.step:g} s with held inputs, which is less accurate than scheme "
+            f"{one.coupling.scheme}; compare with: towage run {arguments.scene} --set coupling.scheme=jacobi"
+        )
+    return 0
