@@ -26,6 +26,7 @@ COMMANDS = {
     "stability": "towage.commands.stability",
     "response": "towage.commands.response",
     "route": "towage.commands.route",
+    "sweep": "towage.commands.sweep",
 }
 INTERRUPTED = 130
 """128 + SIGINT, as shells have it."""
@@ -36,6 +37,7 @@ EXIT_CODES = """exit codes:
   1    verify: a case is over its tolerance
   2    a scene, an FMU or the command line is refused
   3    a run failed; what it recorded is kept
+  4    sweep: some runs were not done, the others are complete
   70   a defect of towage
   130  interrupted; what was recorded is kept
 """

@@ -25,6 +25,7 @@ import numpy as np
 from . import __version__
 from .flavour import Flavour, resolve
 from .scene import Scene
+from .store import locator
 from .sweep_design import Design
 from .sweep_journal import Journal
 from .sweep_table import Table
@@ -103,4 +104,10 @@ class Sweep:
                     journal.sync()
                     if hear:
                         hear(len(journal.rows), failed)
-            return Table.of(self.scene.title, self.design, journal.rows)
+            return Table.of(self.scene.title, self.design, journal.rows, self.measures())
+
+    def measures(self) -> dict[str, str]:
+        """The recorded variables and their units of measure."""
+        resolved = self.scene.resolve(locator(self.fmus))
+        known = {name: unit.description.by_name() for name, unit in resolved.units.items()}
+        return {f"{u}.{v}": known[u][v].unit or "" for u, v in resolved.record}

@@ -24,7 +24,7 @@ _EVENTS = "events:"
 @dataclass(frozen=True)
 class Table:
     """``status``, ``verdict`` and ``message`` of every run, and ``measures``: name to values, NaN where a run has none
-    (events: 0 in a run that was done without any)."""
+    (events: 0 in a run that was done without any). ``units``: unit of measure of each."""
 
     title: str
     design: Design
@@ -32,10 +32,11 @@ class Table:
     verdict: tuple[str, ...]
     message: tuple[str, ...]
     measures: dict[str, Array]
+    units: dict[str, str]
 
     @classmethod
-    def of(cls, title: str, design: Design, rows: Mapping[int, Row]) -> Table:
-        """From the rows of all runs. Raises KeyError if one is missing."""
+    def of(cls, title: str, design: Design, rows: Mapping[int, Row], units: Mapping[str, str]) -> Table:
+        """From the rows of all runs; ``units`` of the recorded variables. Raises KeyError if a row is missing."""
         ordered = [rows[index] for index in range(len(design.points))]
         names = dict.fromkeys(name for row in ordered for name in row.measures)
         measures = {}
@@ -45,7 +46,8 @@ class Table:
             measures[name] = np.fromiter(values, np.float64, len(ordered))
         words = zip(*((row.status, row.verdict, row.message) for row in ordered))
         status, verdict, message = (tuple(column) for column in words)
-        return cls(title, design, status, verdict, message, measures)
+        measured = {name: "rad" if name == "sdof:phase" else _unit(name, units) for name in measures}
+        return cls(title, design, status, verdict, message, measures, measured)
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -58,6 +60,7 @@ class Table:
         metadata = {
             "title": self.title, "design": self.design.text, "targets": self.design.targets,
             "units": self.design.units, "shape": self.design.shape, "measures": list(self.measures),
+            "measure_units": list(self.units.values()),
         }  # fmt: skip
         arrays: dict[str, Any] = {
             "index": np.arange(len(self.status)),
@@ -71,14 +74,22 @@ class Table:
 
     def save_csv(self, path: Path) -> None:
         """One row a run, shortest digits that read back exactly, empty where a run has no value; UTF-8."""
-        targets = [f"{name} [{unit or '-'}]" for name, unit in zip(self.design.targets, self.design.units)]
+        targets, measures = (
+            [f"{name} [{unit or '-'}]" for name, unit in pairs]
+            for pairs in (zip(self.design.targets, self.design.units), self.units.items())
+        )
         with atomic_write(path) as stream:
             writer = csv.writer(codecs.getwriter("utf-8")(stream, "backslashreplace"), lineterminator="\n")
-            writer.writerow(["index", *targets, "status", "verdict", *self.measures, "message"])
+            writer.writerow(["index", *targets, "status", "verdict", *measures, "message"])
             columns = [values.tolist() for values in self.measures.values()]
             for k, point in enumerate(self.design.points.tolist()):
                 numbers = ["" if column[k] != column[k] else column[k] for column in columns]
                 writer.writerow([k, *point, self.status[k], self.verdict[k], *numbers, self.message[k]])
+
+
+def _unit(name: str, units: Mapping[str, str]) -> str:
+    """Of a smallest or largest value that of the variable; all else is a number."""
+    return units.get(name.partition(":")[2], "") if name.startswith(("max:", "min:")) else "1"
 
 
 def _place(name: str) -> tuple[int, str]:

@@ -1,0 +1,163 @@
+"""``towage sweep``: a scene for many values, on all processors or a cluster; a table, a report, and a way to go on."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import common
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+    from ..sweep import Hear, Sweep
+    from ..sweep_design import Design
+    from ..sweep_table import Table
+
+HELP = "run a scene for many values"
+PARTLY_FAILED = 4
+"""Part of the runs was not done; the others are complete."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of ``towage sweep``."""
+    common.add_scene(parser)
+    parser.add_argument(
+        "--vary",
+        metavar="KEY=FROM:TO[:COUNT]",
+        action="append",
+        required=True,
+        help="a range of unit.parameter or of a key such as coupling.step; all combinations are run (may be repeated)",
+    )
+    parser.add_argument("--sobol", action="store_true", help="a scrambled Sobol sequence in place of a grid")
+    parser.add_argument("--samples", metavar="N", type=_whole, help="points of the sequence; best a power of 2")
+    parser.add_argument("--seed", metavar="N", type=_seed, default=0, help="of the scrambling (default: 0)")
+    parser.add_argument(
+        "--limit",
+        metavar="UNIT.VARIABLE=VALUE",
+        action="append",
+        default=[],
+        help="report in what share of the runs a recorded variable stays under this value (may be repeated)",
+    )
+    parser.add_argument("--out", metavar="DIR", type=Path, help="where the files go (default: out/<scene>_sweep)")
+    parser.add_argument("--workers", metavar="N", type=_whole, help="processes (default: one a processor)")
+    parser.add_argument("--dask", metavar="ADDRESS", help="run on the dask.distributed cluster with this scheduler")
+    parser.add_argument("--resume", action="store_true", help="do what is missing of the sweep in --out")
+    parser.add_argument("--json", action="store_true", help="print the counts as one JSON document")
+    parser.add_argument("--progress", choices=("auto", "json", "none"), default="auto", help="as of towage run")
+    parser.epilog = (
+        "Writes journal.jsonl (a line a finished run, from which --resume goes on), table.npz, table.csv, report.html.\n"
+        "Returns 4 if some runs failed, crashed or hung; these have their reason in the table.\n\n"
+        "examples:\n  towage sweep sea_cliff --case '8 s wave' --vary 'cradle.mass=20 long_ton:60 long_ton:9' "
+        "--vary 'line.stiffness=0.5 tonf_long/ft:2 tonf_long/ft:9'\n"
+        "  towage sweep slack --sobol --samples 256 --vary 'ship.heave_amplitude=2 ft:6 ft' "
+        "--vary 'ship.heave_period=6 s:10 s' --limit 'line.tension=60 kip'"
+    )
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
+    from ..cli import INTERRUPTED, complain
+    from ..errors import SceneError, TowageError
+    from ..sweep import Sweep
+
+    loaded, names = common.load(arguments)
+    if len(names) > 1:
+        raise SceneError(f"a sweep is over one case: choose one of {names} with --case", key="--case")
+    scene = loaded.case(names[0]) if names[0] else loaded
+    design = _design(arguments, scene)
+    sweep = Sweep(scene, design, arguments.fmus, arguments.flavour, arguments.timeout)
+    recorded = sweep.measures()
+    limits = [_limit(text, recorded) for text in arguments.limit]
+    out = arguments.out or Path("out", f"{scene.file.stem if scene.file else 'scene'}_sweep")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TowageError(f"cannot make the directory {out}: {error.strerror}") from error
+    try:
+        with common.terminable():
+            table = _run(sweep, out, arguments)
+    except KeyboardInterrupt:
+        complain(f"interrupted; finished runs are kept in {out}: continue with --resume")
+        return INTERRUPTED
+    from ..sweep_report import text_summary, write_report
+
+    files = [out / "table.npz", out / "table.csv"]
+    table.save_npz(files[0])
+    table.save_csv(files[1])
+    files.append(write_report(table, scene, limits, out / "report.html"))
+    if arguments.json:
+        print(json.dumps(_document(table, limits, files), indent=2))
+    else:
+        print(text_summary(table, limits))
+        print(f"written to {out}: {', '.join(file.name for file in files)}")
+    return 0 if table.done.all() else PARTLY_FAILED
+
+
+def _design(arguments: argparse.Namespace, scene: Scene) -> Design:
+    from ..errors import SceneError
+    from ..sweep_design import grid, sobol
+
+    if arguments.sobol != (arguments.samples is not None):
+        raise SceneError("--sobol and --samples N go together", key="--sobol")
+    if arguments.sobol:
+        return sobol(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
+    return grid(scene, arguments.vary, arguments.fmus)
+
+
+def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
+    from ..progress import progress
+
+    with progress(len(sweep.design.points), "sweep", arguments.progress) as bar:
+        hear: Hear = lambda ended, failed: bar.update(ended, f"{failed} not done" if failed else "")  # noqa: E731
+        return sweep.run(out, arguments.resume, arguments.workers, arguments.dask, hear)
+
+
+def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
+    """(variable, value in its unit). Raises `SceneError`."""
+    from ..errors import SceneError
+    from ..fmus.quantities import QuantityError, parse_quantity
+    from ..scene import suggest
+
+    name, separator, value = (part.strip() for part in text.partition("="))
+    if not separator or name not in recorded:
+        raise SceneError(f"{text!r}: expected UNIT.VARIABLE=VALUE of a recorded variable{suggest(name, recorded)}",
+                         key="--limit")  # fmt: skip
+    try:
+        return name, float(value)
+    except ValueError:
+        pass
+    try:
+        return name, parse_quantity(value, recorded[name] or "1")
+    except QuantityError as error:
+        raise SceneError(f"{text!r}: {error}", key="--limit") from None
+
+
+def _document(table: Table, limits: list[tuple[str, float]], files: list[Path]) -> dict[str, object]:
+    from collections import Counter
+
+    from ..sweep_report import share_under
+
+    return {
+        "runs": len(table.status),
+        "status": Counter(table.status),
+        "verdicts": Counter(verdict for verdict, done in zip(table.verdict, table.done) if done),
+        "limits": [
+            {"variable": name, "limit": limit, "share": share_under(table, name, limit) if table.done.any() else None}
+            for name, limit in limits
+        ],
+        "files": [str(file) for file in files],
+    }
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number above 0")
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number, 0 or above")
+    return int(text)
