@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run native test test-all lint bench docs clean
+.PHONY: run native test test-all faults lint bench docs wheel clean
 run: $(VENV)/installed dist/built          ## build the FMUs, run the Sea Cliff scene, write out/sea_cliff/report.html
 	$(BIN)/towage run sea_cliff --fmus dist
 
@@ -18,11 +18,23 @@ test: $(VENV)/installed-test dist/built    ## lint, types and all tests but the 
 test-all: $(VENV)/installed-test dist/built ## every test
 	$(BIN)/pytest -q -m "slow or not slow"
 
-bench: $(VENV)/installed-test              ## speed against error; the tables quoted in docs/
-	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
+faults: $(VENV)/installed-test             ## inject every known fault; the table quoted in docs/faults.md
+	$(BIN)/python -m tests.faults.table
 
-docs: $(VENV)/installed                    ## the pages made from the units' declarations
+bench: $(VENV)/installed-bench             ## all benchmarks in one run -> docs/benchmarks.md, .json, .svg
+	$(BIN)/python benchmarks/page.py
+
+docs: $(VENV)/installed-docs               ## the pages made from units and scenes, and the site of all pages in site/
 	$(BIN)/python docs/make_units.py
+	$(BIN)/python docs/make_scenes.py
+	$(BIN)/mkdocs build --strict --quiet
+
+wheel: $(VENV)/installed                   ## a wheel with scenes and Python FMUs in dist/; staged, so that no FMU stays here
+	rm -rf build/wheel
+	mkdir -p build/wheel
+	cp -RL towage pyproject.toml README.md LICENSE build/wheel
+	$(BIN)/python build_fmus.py --out build/wheel/towage/units
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist build/wheel
 
 $(VENV)/created:
 	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "towage needs Python 3.11 or newer; set PYTHON="'
@@ -41,9 +53,17 @@ $(VENV)/installed-native: $(VENV)/created pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[native]'
 	touch $@ $(VENV)/installed
 
+$(VENV)/installed-bench: $(VENV)/installed-test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[native,bench]'
+	touch $@
+
+$(VENV)/installed-docs: $(VENV)/created pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
+	touch $@ $(VENV)/installed
+
 dist/built: $(VENV)/installed build_fmus.py $(wildcard models/*.py fmus/*.py)
 	$(BIN)/python build_fmus.py
 	touch $@
 
 clean:
-	rm -rf $(VENV) dist out build *.egg-info
+	rm -rf $(VENV) dist out build site *.egg-info

@@ -8,7 +8,8 @@ not set again begins the next step with the same u, d1, d2 and d3. After a step,
 anything is set they are limits from the right (branches change, a docking happens).
 
 A tunable parameter set between steps is in force from the next call that needs it on; continuous states and branches
-stay. If it makes no sense that call is refused, and the values that were in force before stay so.
+stay. If it makes no sense that call is refused, and the values that were in force before stay so. Where states belong to
+their parameters (the model's ``untunable``), setting one is refused at once.
 """
 
 from __future__ import annotations
@@ -137,11 +138,14 @@ class Instance:
     def _tune(self, r: int, value: float) -> None:
         """A tunable parameter between steps; anything else that comes here is refused."""
         tunable = self.phase == STEPPING and r in self._tunable
-        if tunable and value - value == 0.0:
+        tied = self._model.untunable(self._p) if tunable and hasattr(self._model, "untunable") else ""
+        if tunable and not tied and value - value == 0.0:
             self._stale = True
             return
         self._check_references([r])
         v = self.unit.variables[r]
+        if tied:
+            raise CallError(f"{v.name} may not be set: {tied}")
         if not tunable and r not in self._settable[self.phase]:
             raise CallError(
                 f"{v.name} may not be set in phase {PHASES[self.phase]}: it is a {v.variability} {v.causality}"
@@ -201,10 +205,7 @@ class Instance:
 
     def _retune(self) -> None:
         """Put tuned parameters in force. Raises `CallError`; the previous ones are then in force."""
-        reason = self._model.untunable(self._p) if hasattr(self._model, "untunable") else ""
         try:
-            if reason:
-                raise CallError(reason)
             self._take_parameters()
         except (ArithmeticError, ValueError) as error:
             raise CallError(f"parameters set at t = {self.time}: {error}") from error

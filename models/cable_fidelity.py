@@ -5,6 +5,9 @@ The error of the discretisation is measured, not estimated: gains of the lumped 
 square of the number of nodes, a few trials find that number. The error of the reduction is added to it. In Quadrant I
 the velocity of the towpoint counts, in II forces on the body too: they are what drives the two problems.
 
+A cable alone is reduced for its ends moving together and for their offset (`ends_together`): a velocity of one end
+without its offset meets the last half segment's drag alone, which says nothing about the model.
+
 The inextensibility error is the largest difference over the band between the frequency responses with and without EA.
 """
 
@@ -20,6 +23,7 @@ from .cable_linear import LinearModel, cable_elastic, tow_elastic, tow_rigid
 from .cable_perturbation import ComplexArray, Excitation, Response
 from .cable_reduction import reduce, relative_error
 from .cable_response import mesh, responses
+from .matrix_ops import MatrixOps, numbers
 
 FEWEST, MOST = 6, 120
 UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(drag=-1.0), Excitation(lift=1.0)]
@@ -27,10 +31,11 @@ UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(dra
 
 @dataclass(frozen=True)
 class Chosen:
-    """``nodes``: segments; ``error``: of discretisation and reduction together, relative, over the band;
-    ``inextensible_error``: of leaving EA out (0 for an elastic model or an unknown EA)."""
+    """``full``: the model before reduction; ``nodes``: segments; ``error``: of discretisation and reduction together,
+    relative, over the band; ``inextensible_error``: of leaving EA out (0 for an elastic model or an unknown EA)."""
 
     model: LinearModel
+    full: LinearModel
     nodes: int
     error: float
     inextensible_error: float
@@ -64,7 +69,8 @@ def choose(
     with_body: bool = True,
 ) -> Chosen:
     """The model for a band, rad/s, and a relative tolerance; ``nodes`` > 0 fixes the number of segments. Without body
-    the cable is elastic, and its discretisation error is that of the same cable with the body. Raises `CableError`."""
+    the cable is elastic, its inputs are those of `ends_together`, and its discretisation error is that of the same cable
+    with the body. Raises `CableError`."""
     if not (0.0 < tolerance < 1.0 and 0.0 < band < math.inf):
         raise CableError(f"tolerance {tolerance:g}, band {band:g} rad/s: expected 0 < tolerance < 1, band > 0")
     extensible = extensible or not with_body
@@ -83,14 +89,23 @@ def choose(
         if nodes or error <= target or count >= MOST:
             break
         count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
-    final = model if with_body else cable_elastic(tow_used, max(count, 2))
+    full = model if with_body else ends_together(cable_elastic(tow_used, max(count, 2)), numbers())
+    final = full
     if reduced:
-        smaller = reduce(final, max(0.25 * tolerance, tolerance - error), band, extensible, counted)
+        smaller = reduce(full, max(0.25 * tolerance, tolerance - error), band, extensible, counted)
         final, error = smaller.model, error + smaller.error
     lost = 0.0
     if not extensible and math.isfinite(tow.cable.axial_stiffness):
         lost = relative_error(exact, exact_gains(tow, frequencies), counted)
-    return Chosen(final, count, error, lost)
+    return Chosen(final, full, count, error, lost)
+
+
+def ends_together(model: LinearModel, ops: MatrixOps) -> LinearModel:
+    """`cable_elastic` with the inputs (velocity of both ends together, m/s, offset of the body, m, its rate, m/s), of which
+    the first four count."""
+    one, none = np.eye(2), np.zeros((2, 2))
+    turn = ops.constant(np.block([[one, none, none], [one, none, one], [none, one, none]]))
+    return replace(model, b=model.b @ turn, d=model.d @ turn, e=model.e @ turn)
 
 
 def _gains(model: LinearModel, omega: float) -> ComplexArray:

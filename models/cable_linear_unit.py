@@ -116,12 +116,9 @@ def setup_requirements(p: Any, constants: Constants, ops: Ops) -> tuple[Conditio
 
 def untunable(p: LinearParameters) -> str:
     """Why parameters may not change while the unit runs; empty if they may, and the state is kept."""
-    if p.reduced > 0.5 or p.segments < 0.5:
-        return (
-            "parameters of the tow may change between steps with reduced = 0 and a fixed number of segments only: the "
-            "states of another reduced model mean something else"
-        )
-    return ""
+    if p.reduced > 0.5:
+        return "the states of another reduced model mean something else, this needs reduced = 0"
+    return "another number of segments might be chosen, this needs a fixed one" if p.segments < 0.5 else ""
 
 
 def profile(y: Sequence[Value], c: Constants, ops: Ops) -> tuple[Value, Value, tuple[Value, ...]]:

@@ -25,7 +25,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
+from scipy.linalg import matrix_balance, solve_continuous_lyapunov
 
 from .cable_case import CableError
 from .cable_linear import BODY_VELOCITY, FORCE, LinearModel
@@ -107,15 +107,18 @@ def _balanced(model: LinearModel, exact: ComplexArray, inputs: int) -> Build:
     out = 1.0 / np.abs(exact[:, rows, :2]).max(axis=(0, 2))
     scale = np.ones(inputs)
     scale[2:] = 1.0 / max(float(np.abs(exact[:, FORCE, 2:4]).max()), 1e-300) / out[0]
-    b, c = model.b[:, :inputs] * scale, model.c[rows] * out[:, None]
-    controllability = _root(solve_continuous_lyapunov(model.a, -b @ b.T))
-    observability = _root(solve_continuous_lyapunov(model.a.T, -c.T @ c))
+    # momenta beside angles cost the gramians three digits of the error, coordinates of like size none
+    a, (size, _) = matrix_balance(model.a, permute=False, separate=True)
+    all_b, all_c = model.b / size[:, None], model.c * size
+    b, c = all_b[:, :inputs] * scale, all_c[rows] * out[:, None]
+    controllability = _root(solve_continuous_lyapunov(a, -b @ b.T))
+    observability = _root(solve_continuous_lyapunov(a.T, -c.T @ c))
     u, s, vt = np.linalg.svd(observability.T @ controllability)
     count = int((s > 1e-12 * s[0]).sum())
     root = 1.0 / np.sqrt(s[:count])
     right = controllability @ vt[:count].T * root
     left = observability @ u[:, :count] * root
-    a, b, c = left.T @ model.a @ right, left.T @ model.b, model.c @ right
+    a, b, c = left.T @ a @ right, left.T @ all_b, all_c @ right
 
     def build(states: int) -> LinearModel | None:
         if states >= count:

@@ -22,13 +22,11 @@ Source: small-perturbation report on towed cables, in the time domain by ``cable
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from .cable_case import CableError, Condition
-from .cable_fidelity import choose
+from .cable_fidelity import choose, ends_together
 from .cable_linear import BODY_VELOCITY, PROFILE, LinearModel, cable_model
 from .cable_linear_unit import (
     EXTRA,
@@ -139,16 +137,12 @@ def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
 def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
     """The full model of ``size``."""
     tow = traced_tow(p, ops.scalars)
-    return _setup(cable_model(matrices(hang(tow, int(size.segments), ops), True, ops), ops), ops)
+    model = cable_model(matrices(hang(tow, int(size.segments), ops), True, ops), ops)
+    return _setup(ends_together(model, ops), ops)
 
 
 def _setup(model: LinearModel, ops: MatrixOps) -> Setup:
-    """Inputs (velocity of both ends together, offset, its rate) for those of `cable_elastic`: the first four tell on their
-    own how good the model is. A velocity of one end without its offset meets the last half segment's drag alone."""
-    one, none = np.eye(2), np.zeros((2, 2))
-    turn = ops.constant(np.block([[one, none, none], [one, none, one], [none, one, none]]))
-    together = replace(model, b=model.b @ turn, d=model.d @ turn, e=model.e @ turn)
-    return setup_of(together, together.d[BODY_VELOCITY, OFFSET], 4.0, ops)
+    return setup_of(model, model.d[BODY_VELOCITY, OFFSET], 4.0, ops)
 
 
 def study(size: Size) -> Study:

@@ -6,6 +6,10 @@ Steady tow plus small perturbation. The velocity of the towpoint is integrated i
 would contradict it. The force contains the apparent mass -m_app a: a host that gives no derivatives of the inputs
 (``*_d1``) must add m_app to the ship instead. Steps are exact for inputs that are cubics of time, of any length.
 
+``apparent_mass_*`` and ``port_mass`` are m_app of the full model, also where the states are reduced: what an interface
+loop feels faster than the band. E of a reduced elastic model, which acts in the loop, holds the inertia of the modes left
+out beside it, and may be negative.
+
 States: x (balanced or modal coordinates where reduced), displacement of the towpoint (surge, heave), m, and u''.
 
 Assumptions: (1) small perturbations, margins tell how small; (2) of ``cable_case.py``; (3) inextensible unless asked.
@@ -21,7 +25,7 @@ from typing import NamedTuple
 
 from .cable_case import CableError, Condition, Tow
 from .cable_fidelity import choose
-from .cable_linear import FORCE, PROFILE, LinearModel, elastic_model, rigid_model
+from .cable_linear import PROFILE, LinearModel, elastic_model, rigid_model
 from .cable_linear_unit import (
     EXTRA,
     Constants,
@@ -131,12 +135,14 @@ def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
     tow = traced_tow(p, ops.scalars, extensible=size.extensible > 0.5)
     elastic = size.extensible > 0.5
     found = matrices(hang(tow, int(size.segments), ops), elastic, ops)
-    return _setup(elastic_model(found, ops) if elastic else rigid_model(found, ops), tow, ops)
+    model = elastic_model(found, ops) if elastic else rigid_model(found, ops)
+    return _setup(model, model, tow, ops)
 
 
-def _setup(model: LinearModel, tow: Tow, ops: MatrixOps) -> Setup:
+def _setup(model: LinearModel, full: LinearModel, tow: Tow, ops: MatrixOps) -> Setup:
+    """``full``: ``model`` before reduction."""
     # in Quadrant I the towpoint drives the tow, in II forces on the body do too
-    return setup_of(model, -model.e[FORCE, :2], 3.0 - tow.sign, ops)
+    return setup_of(model, full.apparent_mass, 3.0 - tow.sign, ops)
 
 
 def study(size: Size) -> Study:
@@ -216,7 +222,7 @@ def prepare(p: Parameters) -> TowUnit:
     """The unit with the model that the parameters ask for. Raises `CableError`."""
     tow = tow_of(p)
     chosen = choose(tow, p.extensible > 0.5, p.band, p.tolerance, int(p.segments), p.reduced > 0.5)
-    made = chosen_setup(_setup(chosen.model, tow, numbers()), chosen)
+    made = chosen_setup(_setup(chosen.model, chosen.full, tow, numbers()), chosen)
     return TowUnit(made, p, drive, own_after, core, observe, rates=PROFILE, chosen=chosen)
 
 

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import math
+import re
+import shutil
+import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
+from towage.cli import main
 from towage.errors import TowageError
 from towage.report import text_summary, write_report
+from towage.report_compare import common, difference, runs_of, write_comparison
 from towage.report_format import number, percent, quantity
 from towage.report_plots import intervals, roles, slack
 from towage.report_svg import thin
 from towage.result import Check, Comparison, Event, Margin, Result, Verdict
 
+CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
 SCENE = """title = "Sea Cliff's cradle under Lulu"
 connections = ["ship.heave -> line.heave_top", "line.tension -> cradle.line_tension"]
 
@@ -276,3 +283,71 @@ def test_report_of_nothing_or_to_nowhere_is_refused(tmp_path):
         write_report([], tmp_path / "report.html")
     with pytest.raises(TowageError, match="directory does not exist"):
         write_report([foreign(3)], tmp_path / "missing" / "report.html")
+
+
+def test_comparison_of_runs_lays_what_they_share_side_by_side(tmp_path):
+    shorter = cradle("10 s wave", error=0.2, word="invalid", samples=801, stop=120.0)
+    del shorter.columns["cradle.velocity"]
+    for name, result in (("a", cradle()), ("b", shorter)):
+        result.save_npz(tmp_path / f"{name}.npz")
+    runs = runs_of([tmp_path])
+    assert [run.name for run in runs] == ["8 s wave", "10 s wave"]
+    assert "cradle.velocity" not in common(runs)
+    page = check_self_contained(write_comparison(runs, tmp_path / "page.html"))
+    assert page.tags.count("svg") == len(common(runs)) == 6
+    for part in ("Differences are against 8 s wave", "valid", "invalid", "ship.margin_sdof", "20 %", "1.1 %"):
+        assert part in page.text, part
+    again = write_comparison(runs_of([tmp_path / "a.npz", tmp_path / "b.npz"]), tmp_path / "again.html")
+    assert again.read_bytes() == (tmp_path / "page.html").read_bytes()
+
+
+def test_differences_are_those_of_the_curves():
+    first, other = foreign(401), foreign(101)
+    other.columns["Motor.tau"] = other.columns["Motor.tau"] + 0.25
+    found = difference(first, other, "Motor.tau")
+    assert found.largest == pytest.approx(0.25, abs=0.2**2 / 8)  # linear interpolation of cos over 0.2 s
+    assert found.relative == pytest.approx(0.25 / math.sqrt(0.5), rel=0.03)  # 20 s are not whole periods
+    assert difference(first, first, "Motor.tau")[:3] == (0.0, 0.0, 0.0)
+    other.time = other.time + 100.0
+    assert math.isnan(difference(first, other, "Motor.tau").largest), "no time in common"
+
+
+def test_report_command_names_what_is_not_a_result(tmp_path, capsys):
+    (tmp_path / "table.npz").write_text("no")
+    assert main(["report", str(tmp_path)]) == TowageError.exit_code
+    assert "table.npz is not a result of towage" in capsys.readouterr().err
+    assert main(["report", str(tmp_path / "absent.npz")]) == TowageError.exit_code
+    cradle().save_npz(tmp_path / "table.npz")
+    assert main(["report", str(tmp_path), "--out", str(tmp_path / "one.html")]) == 0
+    check_self_contained(tmp_path / "one.html")
+
+
+@pytest.mark.skipif(not CHROMIUM, reason="no Chromium to look at the page with")
+def test_browser_shows_plots_that_are_not_empty(written, tmp_path):
+    """Every diagram alone on a page, as the browser paints it: it has several colours, and much of it is not blank."""
+    text = written.read_text(encoding="utf-8")
+    head, drawings = text[: text.index("<body>")], re.findall(r"<svg.*?</svg>", text, re.DOTALL)
+    assert len(drawings) == 7
+    shot, page = tmp_path / "shot.png", tmp_path / "page.html"
+    cells = "".join(f'<div style="height:500px;width:1000px;overflow:hidden;background:#fff">{d}</div>' for d in drawings)
+    page.write_text(f'{head}<body style="margin:0">{cells}</body></html>', encoding="utf-8")
+    photograph(page, shot, 1000, 500 * len(drawings))
+    image = imread(shot)[:, :, :3]
+    for index in range(len(drawings)):
+        part = image[500 * index : 500 * (index + 1)].reshape(-1, 3)
+        inked = np.any(np.abs(part - 1.0) > 0.05, axis=1).mean()
+        saturated = (part.max(axis=1) - part.min(axis=1) > 0.3).mean()
+        assert inked > 0.01, f"diagram {index}: {inked:.2%} of it is painted"
+        assert saturated > 0.0005, f"diagram {index}: no curve, {saturated:.3%} of it is coloured"
+    photograph(written, shot, 1100, 1600)
+    whole = imread(shot)[:, :, :3]
+    assert len(np.unique((255 * whole).astype(np.uint8).reshape(-1, 3), axis=0)) > 100, "text, badges and curves"
+
+
+def photograph(page: Path, shot: Path, width: int, height: int) -> None:
+    command = [
+        CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--force-device-scale-factor=1",
+        f"--user-data-dir={shot.parent / 'profile'}", f"--window-size={width},{height}", f"--screenshot={shot}",
+        page.as_uri(),
+    ]  # fmt: skip
+    subprocess.run(command, check=True, capture_output=True, timeout=120)

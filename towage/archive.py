@@ -18,7 +18,7 @@ import unicodedata
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -67,7 +67,7 @@ def _read(path: Path, *stamp: int) -> Description:
 @functools.lru_cache(maxsize=64)
 def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
     directory = root / hashlib.sha256(path.read_bytes()).hexdigest()[:32]
-    extract(path, directory)
+    extract(path, directory, replace=True)  # what is there under this name is the same or was damaged
     return directory
 
 
@@ -83,11 +83,11 @@ def check_platform(description: Description) -> str:
     return platform
 
 
-def extract(path: Path, directory: Path) -> None:
+def extract(path: Path, directory: Path, replace: bool = False) -> None:
     """Unpack the FMU at ``path`` into ``directory``, which appears complete or not at all.
 
     A directory that already holds the same files is left alone, so processes that unpack one FMU at the same time all
-    succeed. Raises ``FmuError``, also if ``directory`` holds something else.
+    succeed. One that holds something else is replaced if ``replace``. Raises ``FmuError``, also if it is not.
     """
     with _opened(path) as archive:
         platform = check_platform(description := _describe(path, archive))
@@ -102,13 +102,24 @@ def extract(path: Path, directory: Path) -> None:
         scratch = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
         try:
             _unpack(archive, scratch)
-            try:
-                scratch.rename(directory)
-            except OSError:
-                if not _holds(directory, archive):
-                    raise FmuError(f"{directory} exists and holds something else: remove it", file=path) from None
+            if not _placed(scratch, directory, archive, replace):
+                raise FmuError(f"{directory} exists and holds something else: remove it", file=path)
         finally:
             shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _placed(scratch: Path, directory: Path, archive: zipfile.ZipFile, replace: bool) -> bool:
+    """Whether ``directory`` holds the archive now: ``scratch`` under that name, or what another process put there."""
+    for _ in range(1 + replace):
+        with suppress(OSError):
+            scratch.rename(directory)
+            return True
+        if _holds(directory, archive):
+            return True
+        if replace:
+            with tempfile.TemporaryDirectory(prefix=scratch.name, dir=directory.parent) as aside, suppress(OSError):
+                directory.rename(Path(aside, "old"))
+    return False
 
 
 @contextmanager

@@ -27,7 +27,8 @@ START = 30.0
 GRACE = 5.0
 """What a child that has answered, or has lost its voice, is given to end, s."""
 SHOWN_LINES = 20
-"""Of what a child prints the end is kept."""
+SHOWN_BYTES = 500
+"""Of what a child prints the end is kept: lines, and the bytes of each, because a unit may print without end of line."""
 Report = Callable[[float, str], None]
 
 
@@ -55,8 +56,8 @@ class Child:
         self._lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._printed: deque[bytes] = deque(maxlen=SHOWN_LINES)
         self._threads = [
-            threading.Thread(target=_drain, args=(stream, keep), daemon=True)
-            for stream, keep in zip(self._streams, (self._lines.put, self._printed.append))
+            threading.Thread(target=_drain, args=(stream, *how), daemon=True)
+            for stream, how in zip(self._streams, ((-1, self._lines.put), (SHOWN_BYTES, self._printed.append)))
         ]
         for thread in self._threads:
             thread.start()
@@ -126,8 +127,8 @@ def attend() -> tuple[IO[bytes], Callable[[dict[str, Any]], None]]:
     return requests, say
 
 
-def _drain(stream: IO[bytes], keep: Callable[[bytes], None]) -> None:
-    for line in stream:
+def _drain(stream: IO[bytes], longest: int, keep: Callable[[bytes], None]) -> None:
+    while line := stream.readline(longest):
         keep(line)
 
 

@@ -18,6 +18,7 @@ from .errors import TowageError
 
 COMMANDS = {
     "run": "towage.commands.run",
+    "report": "towage.commands.report",
     "check": "towage.commands.check",
     "validate": "towage.commands.validate",
     "export": "towage.commands.export",

@@ -17,6 +17,8 @@ _INITIAL = {"parameter": "exact", "calculatedParameter": "calculated", "input": 
 T = TypeVar("T")
 Value = float | int | bool | str
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
+CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
+VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
 _KINDS: dict[str, Kind] = {k: k for k in ("Real", "Integer", "Boolean", "String", "Enumeration")}
 
 
@@ -76,6 +78,7 @@ class Description(msgspec.Struct, frozen=True):
     max_output_derivative_order: int
     can_handle_variable_step: bool
     needs_execution_tool: bool
+    once_per_process: bool
     default_experiment: DefaultExperiment
     variables: tuple[Variable, ...]
     dependencies: dict[str, tuple[str, ...] | None]
@@ -163,6 +166,7 @@ class DescriptionReader:
             max_output_derivative_order=_number(unit, "maxOutputDerivativeOrder", int) or 0,
             can_handle_variable_step=self.flag(unit, "canHandleVariableCommunicationStepSize"),
             needs_execution_tool=self.flag(unit, "needsExecutionTool"),
+            once_per_process=self.flag(unit, "canBeInstantiatedOnlyOncePerProcess"),
             default_experiment=DefaultExperiment(*(_number(experiment, key, float) for key in times))
             if experiment is not None
             else DefaultExperiment(),
@@ -195,6 +199,10 @@ class DescriptionReader:
                 f"variable {name!r} needs a name, a value reference from 0 to 2^32 - 1 and exactly one type"
             )
         own, causality = kinds[0], element.get("causality", "local")
+        variability = element.get("variability", "continuous")
+        for word, value, known in (("causality", causality, CAUSALITIES), ("variability", variability, VARIABILITIES)):
+            if value not in known:
+                raise InvalidDescription(f"variable {name!r} has {word} {value!r}, expected {', '.join(known)}")
         declared = own.get("declaredType")
         if declared is not None and (declared not in self.types or self.types[declared].tag != own.tag):
             raise InvalidDescription(
@@ -202,7 +210,6 @@ class DescriptionReader:
             )
         kind = ElementTree.Element(own.tag, {**(self.types[declared].attrib if declared else {}), **own.attrib})
         kind.attrib.pop("name", None)
-        variability = element.get("variability", "continuous")
         exact = variability == "constant"
         return Variable(
             name=name,

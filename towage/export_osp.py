@@ -174,7 +174,7 @@ def _model_descriptions(export: Export, found: list[Bond]) -> dict[str, bytes]:
     for model, ports in models.items():
         root = Element("OspModelDescription", {"xmlns": MODEL_NAMESPACE, "version": "1.0"})
         groups = SubElement(root, "VariableGroups")
-        for port, unit in ports.items():
+        for port, unit in sorted(ports.items(), key=lambda item: not item[0].velocity):  # the schema's order of kinds
             kind, motion = (
                 ("LinearMechanicalPort", "LinearVelocity")
                 if port.velocity

@@ -24,6 +24,15 @@ _REASONS = {
 }
 
 
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS}
+"""Error numbers that tell of the place, not of the program."""
+
+
+def reason(error: OSError) -> str:
+    """Why something could not be written, in words."""
+    return _REASONS.get(error.errno or 0, error.strerror or str(error))
+
+
 @contextmanager
 def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
     """Binary stream whose content becomes ``path`` at the end of the block, at once and durably.
@@ -45,9 +54,8 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
         os.replace(temporary, target)
         _sync_directory(target.parent)
     except OSError as error:
-        reason = _REASONS.get(error.errno or 0, error.strerror or str(error))
         kept = "; the earlier file is kept" if target.is_file() else ""
-        raise TowageError(f"cannot write {os.fspath(path)}: {reason}{kept}") from error
+        raise TowageError(f"cannot write {os.fspath(path)}: {reason(error)}{kept}") from error
     finally:
         with suppress(OSError):
             temporary.unlink()

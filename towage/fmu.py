@@ -26,7 +26,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 
 from .description import Description
-from .errors import RunError
+from .errors import FmuError, RunError
 from .fmus.unit import INPUT_ORDERS
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -103,12 +103,18 @@ class Unit:
         }
         self._alive: list[Any] = []
         self._wire(connected, sources, outputs, cubic)
-        self._slave = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=str(directory),
-            modelIdentifier=description.model_identifier,
-            instanceName=name,
-        )
+        try:
+            self._slave = FMU2Slave(
+                guid=description.guid,
+                unzipDirectory=str(directory),
+                modelIdentifier=description.model_identifier,
+                instanceName=name,
+            )
+        except Exception as error:  # fmpy's own kind, or AttributeError where a function is missing
+            raise FmuError(
+                f"its library cannot be loaded: {error}. Ask the supplier for one that exports every function of FMI 2.0 "
+                "and brings what it needs", file=description.path,
+            ) from error  # fmt: skip
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = _LOGGER
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -182,11 +188,12 @@ class Unit:
         return self.messages[-1] if self.messages else ""
 
     def _check(self, status: int, what: str, time: float | None = None) -> None:
-        if status > WARNING:
+        if status not in (OK, WARNING):
             self.dead = status == FATAL
             said = self._said()
+            word = STATUS[status] if 0 <= status <= FATAL else f"{status}, which is none of the standard's statuses for it"
             raise RunError(
-                f"{what} returned {STATUS[status] if status <= FATAL else status}" + (f": {said}" if said else ""),
+                f"{what} returned {word}" + (f": {said}" if said else ""),
                 unit=self.name,
                 time=time,
             )
@@ -253,7 +260,7 @@ class Unit:
         small unit costs no more than a few Python calls. Raises `StepRefused` if the unit would rather not step so far,
         `RunError` if it is beyond help or an output is not finite."""
         component, do_step, get, buffer = self._component, self._do_step, self.get, self._output_buffer
-        set_inputs = self.set if self._inputs else None
+        set_inputs, check = self.set if self._inputs else None, self._check
         get_real, outputs = self._get_real, self._outputs
         plain = bool(outputs) and not self._rates
 
@@ -261,17 +268,21 @@ class Unit:
             if set_inputs:
                 set_inputs(time)
             status = do_step(component, time, size, 0)
-            if status > WARNING:
-                if status == FATAL:
-                    self._check(status, "the step", time)
+            if status and status != WARNING:
+                if status not in (DISCARD, ERROR):
+                    check(status, "the step", time)
                 said = self._said()
                 raise StepRefused(f"{self.name}, {STATUS[status]}" + (f": {said}" if said else ""))
-            if plain and not get_real(component, *outputs):
-                values = buffer[:]
-                if abs(sum(values)) < math.inf:
-                    self.values = values
-                    return values
-            return get(time + size)
+            if not plain:
+                return get(time + size)
+            status = get_real(component, *outputs)
+            if status:  # Fatal may be its last: it is not asked again
+                check(status, "reading outputs", time + size)
+            values = buffer[:]
+            if abs(sum(values)) < math.inf:
+                self.values = values
+                return values
+            return self._accept(values, time + size)
 
         return advance
 

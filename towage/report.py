@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from towage.files import atomic_write
-from towage.report_format import STYLE, Markup, badge, details, figure, moment, number, percent, quantity, table
+from towage.report_format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report_plots import Plotter, roles
 from towage.report_tables import accuracy, checks, comparison, events, margins, statistics
 from towage.result import Margin, Result
@@ -53,7 +53,7 @@ def text_summary(result: Result) -> str:
     """What a run ends with on a terminal, a few lines: verdict and the number that decided, worst margin and when,
     estimate of the coupling error, speed."""
     word = "failed" if result.status == "failed" else result.verdict.word
-    lines = [f"{_name(result)}: {word}"]
+    lines = [f"{name_of(result)}: {word}"]
     if result.status == "failed":
         lines.append(f"  failure         {result.message or 'no reason was given'}")
     if result.verdict.reason or result.verdict.number is not None:
@@ -85,13 +85,8 @@ def _page(results: Sequence[Result]) -> str:
         if len(results) > _OPEN_CASES:
             body = details("Details", body)
         sections.append(f'<section id="case-{index + 1}">{_case_head(result, len(titles) > 1)}{body}</section>\n')
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1"><meta name="generator" content="towage">\n'
-        f"<title>{escape(title)}</title>\n<style>{STYLE}</style></head>\n<body><main>\n"
-        f'<header><h1>{escape(title)}</h1><p class="title">Coupled simulation and the validity of its assumptions</p>'
-        f"</header>\n{_overview(results, len(plotted), detailed)}{''.join(sections)}{_scenes(results)}</main></body></html>\n"
-    )
+    body = f"{_overview(results, len(plotted), detailed)}{''.join(sections)}{_scenes(results)}"
+    return page(title, "Coupled simulation and the validity of its assumptions", body)
 
 
 def _overview(results: Sequence[Result], plotted: int, detailed: Sequence[int]) -> str:
@@ -106,9 +101,9 @@ def _overview(results: Sequence[Result], plotted: int, detailed: Sequence[int]) 
                 badge("failed") if result.status == "failed" else badge(result.verdict.word),
                 number(result.verdict.number),
                 number(result.verdict.limit),
-                Markup(_margin_cell(margin)) if margin else "–",
+                Markup(margin_cell(margin)) if margin else "–",
                 percent(error[1], 2) if error else "not estimated",
-                _peak_tension(result)[0],
+                peak_tension(result)[0],
             )
         )
     counted = Counter("failed" if result.status == "failed" else result.verdict.word for result in results)
@@ -122,7 +117,7 @@ def _overview(results: Sequence[Result], plotted: int, detailed: Sequence[int]) 
 
 def _case_head(result: Result, titled: bool) -> str:
     failed = result.status == "failed"
-    name = _name(result) if titled else result.case or "Base case"
+    name = name_of(result) if titled else result.case or "Base case"
     head = f'<div class="headline"><h2>{escape(name)}</h2>{badge("failed" if failed else result.verdict.word)}</div>'
     if failed:
         reason = result.message or "The run failed and gave no reason."
@@ -140,7 +135,7 @@ def _facts(result: Result) -> str:
     if margin:
         when = f"{margin.variable} at {moment(margin.time)}" + ("" if margin.decides else ", report only")
         facts.append(("Worst margin", number(margin.worst), when))
-    peak, where = _peak_tension(result)
+    peak, where = peak_tension(result)
     if where:
         facts.append(("Peak tension", peak, where))
     facts.append(
@@ -197,7 +192,8 @@ def _scenes(results: Sequence[Result]) -> str:
     return "<section><h2>Scene</h2>" + "".join(f"<pre>{escape(source)}</pre>" for source in sources) + "</section>\n"
 
 
-def _name(result: Result) -> str:
+def name_of(result: Result) -> str:
+    """Title and case."""
     return ", ".join(part for part in (result.title, result.case) if part) or "run"
 
 
@@ -214,12 +210,13 @@ def _margin_text(margin: Margin) -> str:
     return f"{number(margin.worst)} ({margin.variable} at {moment(margin.time)}{use})"
 
 
-def _margin_cell(margin: Margin) -> str:
+def margin_cell(margin: Margin) -> str:
+    """The worst value, and below it which and when."""
     use = "" if margin.decides else ", report only"
     return f"{number(margin.worst)}<small>{escape(margin.variable)} at {moment(margin.time)}{use}</small>"
 
 
-def _peak_tension(result: Result) -> tuple[str, str]:
+def peak_tension(result: Result) -> tuple[str, str]:
     """(largest tension, where and when); a dash without a column of tension."""
     name = roles(result).tension
     if name is None or not np.isfinite(result[name]).any():

@@ -103,6 +103,16 @@ def figure(svg: str, title: str, caption: str, half: bool = False) -> Markup:
     return Markup(f'<figure{kind}>{head}<div class="scroll">{svg}</div>{foot}</figure>\n')
 
 
+def page(title: str, subtitle: str, body: str) -> str:
+    """A whole page."""
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1"><meta name="generator" content="towage">\n'
+        f"<title>{escape(title)}</title>\n<style>{STYLE}</style></head>\n<body><main>\n"
+        f'<header><h1>{escape(title)}</h1><p class="title">{escape(subtitle)}</p></header>\n{body}</main></body></html>\n'
+    )
+
+
 STYLE = """
 :root { color-scheme: light dark; --ink: #1b2430; --soft: #566373; --line: #d5dce4; --page: #f4f6f8; --sheet: #fff;
   --accent: #0b5c8a; --good: #0a6b3d; --good-bg: #dcf3e6; --fair: #7a4b00; --fair-bg: #fdecc8; --bad: #a3121d;

@@ -22,6 +22,11 @@ Definition = tuple[tuple[int, ...], float, float]
 """Exponents of the base units, factor and offset of a unit."""
 
 
+EXPLICIT = ("extrapolate", "jacobi", "gauss-seidel")
+"""Schemes that a scene may name to say that a loop is only presumed: FMI counts an output whose unit declares no
+dependencies as direct, and units that cannot restore their state have no implicit scheme."""
+
+
 class Connection(NamedTuple):
     """Target value = factor * source value."""
 
@@ -48,7 +53,7 @@ class ResolvedUnit(msgspec.Struct, frozen=True):
 
 class ResolvedScene(msgspec.Struct, frozen=True):
     """A scene in which everything named exists and fits. ``record`` is (unit, variable); ``loops`` the algebraic ones,
-    as "a.y -> b.u -> b.y -> a.u -> a.y", empty unless the scheme is implicit."""
+    as "a.y -> b.u -> b.y -> a.u -> a.y": solved by the implicit scheme, or only presumed, for want of declarations."""
 
     scene: Scene
     units: dict[str, ResolvedUnit]
@@ -75,13 +80,16 @@ class Resolver:
             units[name] = ResolvedUnit(name, self.descriptions[name].path, self.descriptions[name], parameters)
         record = self.record()
         self.check_checks()
+        self.check_instances()
         loops = _loops(connections, self.descriptions)
         named = "; ".join(map(" -> ".join, loops))
-        if loops and self.scene.coupling.scheme != "implicit":
-            note = "" if all(map(self.declares, loops)) else " (outputs without declared dependencies count as direct)"
+        scheme, presumed = self.scene.coupling.scheme, not all(map(self.declares, loops))
+        if loops and scheme != "implicit" and not (presumed and scheme in EXPLICIT):
+            note = " (outputs without declared dependencies count as direct)" if presumed else ""
+            hint = "; if one of them has a state all the same, say so by scheme 'extrapolate'" if presumed else ""
             raise self.fault(
-                f"algebraic loop {named}{note}, which scheme {self.scene.coupling.scheme!r} cannot solve: "
-                "use scheme 'implicit', or break the loop with a unit that has a state",
+                f"algebraic loop {named}{note}, which scheme {scheme!r} cannot solve: "
+                f"use scheme 'implicit', or break the loop with a unit that has a state{hint}",
                 "connections",
             )
         return ResolvedScene(self.scene, units, connections, record, tuple(map(" -> ".join, loops)))
@@ -261,6 +269,22 @@ class Resolver:
             unit, variable = self.find(getattr(checks.sdof, field), f"checks.sdof.{field}")
             if variable.type != "Real":
                 raise self.fault(f"{unit}.{variable.name} is {variable.type}, expected Real", f"checks.sdof.{field}")
+
+    def check_instances(self) -> None:
+        """A unit that a process may hold once: not twice in the scene, and no second run beside the first."""
+        scene, seen = self.scene, set()
+        for name, description in self.descriptions.items():
+            if not description.once_per_process:
+                continue
+            if description.path in seen:
+                raise self.fault(f"{description.path.name} can be instantiated only once in a process", f"units.{name}.fmu")
+            if scene.coupling.error_estimate or scene.checks.sdof or scene.checks.simpler:
+                raise self.fault(
+                    f"{description.path.name} can be instantiated only once in a process, so that there is no second run to "
+                    "compare with: set coupling.error_estimate = false and leave out checks.sdof and checks.simpler",
+                    f"units.{name}.fmu",
+                )
+            seen.add(description.path)
 
     def declares(self, loop: tuple[str, ...]) -> bool:
         """Whether every output on the loop declares its dependencies."""

@@ -19,6 +19,7 @@ from .recorder import Recorder
 from .result import Event
 from .schemes import ORDERS, SCHEMES, Scheme
 from .system import System
+from .trust import repeat
 
 LANDING = 1e-10
 """An event is located to this share of the step: 1e-10 of a step costs no accuracy and stays clear of rounding."""
@@ -121,6 +122,8 @@ def _loop(
         if keep:
             system.save(time)
         estimate, step = _attempt(system, scheme, time, step, keep, run)
+        if keep and len(run.steps).bit_count() < 2:  # steps 0, 1, 2, 4, 8, ...
+            repeat(system, time, step)
         if tolerance is not None:
             factor = 0.8 * (tolerance / max(estimate, 1e-300)) ** 0.25
             if estimate > tolerance and keep and step > 1e-12 * stop:

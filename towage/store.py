@@ -12,6 +12,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from .errors import FmuError
+from .files import reason
 from .scene import Locate
 
 Structure = Mapping[str, float]
@@ -40,17 +42,21 @@ def locator(directory: Path | None = None) -> Locate:
             )
         if name not in UNITS:
             raise LookupError(f"the shipped units are {', '.join(UNITS)}")
-        return _python(name, cache() / "fmus")
+        shipped = Path(__file__).with_name("units") / f"{name}.fmu"  # in a wheel; never in the work tree: no stale ones
+        return shipped if shipped.is_file() else _python(name, cache() / "fmus")
 
     return locate
 
 
 @functools.cache
 def _python(name: str, directory: Path) -> Path:
-    """The Python flavour, compared with its sources once a process."""
+    """The Python flavour, compared with its sources once a process. Raises `FmuError`."""
     from .fmus.python_fmu import build
 
-    return build(name, directory)[0]
+    try:
+        return build(name, directory)[0]
+    except OSError as error:
+        raise FmuError(f"cannot be built: {reason(error)}. TOWAGE_CACHE may name another place", file=directory) from error
 
 
 def native_place(name: str, structure: Structure) -> Path:

@@ -9,7 +9,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import platform
 import sys
@@ -29,11 +28,11 @@ from .store import locator
 from .sweep_design import Design
 from .sweep_journal import Journal
 from .sweep_table import Table
-from .sweep_workers import Setup, Task, run_here
+from .sweep_workers import Setup, Task, digests, run_here
 
 JOURNAL = "journal.jsonl"
-Hear = Callable[[int, int], None]
-"""Told (runs ended, those of them that were not done)."""
+Hear = Callable[[int, int, int], None]
+"""Told (runs ended now, runs to do now, runs of the whole sweep that were not done)."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,7 @@ class Sweep:
     def identity(self) -> dict[str, Any]:
         """All that the rows depend on: what must agree for a sweep to be continued."""
         scene = msgspec.to_builtins(msgspec.structs.replace(self.scene, file=None, source="", cases=()))
-        units = resolve(self.scene, self.fmus, self.pinned()).units
-        files = {name: hashlib.sha256(unit.path.read_bytes()).hexdigest()[:16] for name, unit in units.items()}
+        files = digests(self.scene, self.fmus, self.pinned())
         versions = {
             "towage": __version__,
             "numpy": np.__version__,
@@ -85,8 +83,10 @@ class Sweep:
         ``out`` keeps the journal. Raises `SceneError`, `FmuError`, `JournalError`, and `TowageError` where the journal
         cannot be written or the cluster is lost; what was finished until then, or until Ctrl-C, is in the journal.
         """
-        setup = Setup(msgspec.structs.replace(self.scene, source=""), self.fmus, self.pinned(), self.timeout)
-        with Journal(out / JOURNAL, self.identity(), resume) as journal:
+        identity = self.identity()
+        bare = msgspec.structs.replace(self.scene, source="", cases=())
+        setup = Setup(bare, self.fmus, identity["flavour"], self.timeout, identity["fmus"])
+        with Journal(out / JOURNAL, identity, resume) as journal:
             count = len(self.design.points)
             tasks = [Task(k, self.design.values(k)) for k in range(count) if k not in journal.rows]
             failed = sum(row.status != "done" for row in journal.rows.values())
@@ -103,7 +103,7 @@ class Sweep:
                         failed += row.status != "done"
                     journal.sync()
                     if hear:
-                        hear(len(journal.rows), failed)
+                        hear(len(journal.rows) - count + len(tasks), len(tasks), failed)
             return Table.of(self.scene.title, self.design, journal.rows, self.measures())
 
     def measures(self) -> dict[str, str]:

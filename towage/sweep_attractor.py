@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 COMPARED = 8
@@ -31,6 +30,8 @@ def repeats_after(time: Array, values: Array, period: float) -> float | None:
     `APERIODIC` if after none; None where the record has fewer than COMPARED + 1 periods, or gaps.
 
     Only as many periods back are looked at as the record holds."""
+    from scipy.interpolate import CubicSpline  # heavy, and not wanted by every sweep
+
     longest = min(LONGEST, int((time[-1] - time[0]) / period * (1.0 + 1e-9)) - COMPARED) if len(time) > 1 else 0
     if longest < 1 or not np.isfinite(values).all():
         return None

@@ -7,6 +7,7 @@ with it; the scheduler gives them to others. Foreign FMUs must be found under th
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import pickle
 import queue
@@ -29,7 +30,7 @@ TRIES = 3
 ANSWER = 10.0
 """Longest wait for the scheduler, s."""
 _local = threading.local()
-_workers: list[Worker] = []
+_workers: dict[str, list[Worker]] = {}
 
 
 def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[Row | None]:
@@ -50,7 +51,7 @@ def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[R
     def hand_out(task: Task) -> None:
         tries[task.index] = tries.get(task.index, 0) + 1
         key = f"towage-{sweep}-{task.index}-{tries[task.index]}"
-        future = client.submit(work, shared, task, pure=False, key=key)
+        future = client.submit(work, sweep, shared, task, pure=False, key=key)
         given[future] = task
         future.add_done_callback(ended.put)
 
@@ -73,28 +74,29 @@ def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[R
                 elif tries[task.index] < TRIES:
                     hand_out(task)
                 else:
+                    reason = future.exception(timeout=ANSWER) if future.status == "error" else future.status
                     raise TowageError(
-                        f"run {task.index} was lost {TRIES} times on the cluster ({future.exception()}): see the logs "
-                        "of its workers, then continue with --resume"
+                        f"run {task.index} was lost {TRIES} times on the cluster ({reason}): see the logs of its workers, "
+                        "then continue with --resume"
                     )
         finally:
-            client.cancel(list(given), force=True)
-            client.run(release)
+            with contextlib.suppress(Exception):  # a cluster that is gone has nothing to clear away
+                client.cancel(list(given), force=True)
+                client.run(release, sweep)
 
 
-def work(shared: bytes, task: Task) -> Row:
-    """On a dask worker: the row of one run."""
-    if getattr(_local, "shared", None) != shared:
+def work(sweep: str, shared: bytes, task: Task) -> Row:
+    """On a dask worker: the row of one run of a sweep, whose setup is ``shared``."""
+    if getattr(_local, "sweep", None) != sweep:
         if hasattr(_local, "worker"):
             _local.worker.close()
-        _local.shared, _local.worker = shared, Worker(pickle.loads(shared))
-        _workers.append(_local.worker)
+        _local.sweep, _local.worker = sweep, Worker(pickle.loads(shared))
+        _workers.setdefault(sweep, []).append(_local.worker)
     row: Row = _local.worker.run(task)
     return row
 
 
-def release() -> None:
-    """On a dask worker: end the processes that stand ready. Runs under way there end with them."""
-    for worker in _workers:
+def release(sweep: str) -> None:
+    """On a dask worker: end the processes that stand ready for a sweep. Runs under way there end with them."""
+    for worker in _workers.pop(sweep, []):
         worker.stop()
-    _workers.clear()

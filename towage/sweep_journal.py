@@ -1,7 +1,7 @@
 """The journal of a sweep: what it is of, then one line a finished run, written at once.
 
 Every line is JSON; numbers have the shortest digits that read back to the same bits. A kill loses the runs in flight and
-at most tears the last line, which the next reader drops. A second line of the same run replaces nothing: the first holds.
+at most tears the last line, which the next reader drops. Of two lines of one run the first holds.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ class Journal:
         self.rows: dict[int, Row] = {}
         self.path = path
         if path.exists() and path.stat().st_size and not resume:
-            raise JournalError(f"{path.parent} holds a sweep already: continue it with --resume, or choose another --out")
+            raise JournalError(
+                f"{path.parent} holds a sweep already: continue it with --resume, or choose another --out"
+            )
         try:
             self._file: IO[bytes] = open(path, "a+b", buffering=0)  # noqa: SIM115
         except OSError as error:
@@ -69,7 +71,8 @@ class Journal:
                 row = Row(**fields)
             except TypeError:
                 raise self._damaged(number) from None
-            self.rows.setdefault(row.index, row)
+            if row.status != "defect":  # of towage, which may be mended: done again
+                self.rows.setdefault(row.index, row)
 
     def _parsed(self, line: bytes, number: int) -> dict[str, Any]:
         try:
@@ -104,10 +107,13 @@ class Journal:
         self.rows[row.index] = row
 
     def _write(self, fields: dict[str, Any]) -> None:
+        line = json.dumps(fields).encode() + b"\n"
         try:
-            self._file.write(json.dumps(fields).encode() + b"\n")
+            written = self._file.write(line)
         except OSError as error:
             raise TowageError(f"cannot write {self.path}: {error.strerror}; continue with --resume") from error
+        if written != len(line):  # the disk became full in its middle: the next reader drops it
+            raise TowageError(f"cannot write {self.path}: the disk is full; continue with --resume")
 
     def sync(self) -> None:
         """Hand lines to the disk, if the last time is long ago."""

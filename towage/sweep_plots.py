@@ -8,7 +8,7 @@ import numpy as np
 
 from .report_format import scale
 from .report_plots import BLUE, CYCLE, GREEN, GREY, RED
-from .report_svg import canvas
+from .report_svg import canvas, thin
 from .sweep_attractor import APERIODIC, LONGEST
 from .sweep_table import Array, Table
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 _WIDTH = 9.6
 _POINTS = 4000
 """Points drawn of a larger sequence, the first: a Sobol sequence is as even from its beginning."""
-
 _STEPS = 800
 """Of a curve with more runs."""
 
@@ -36,11 +35,13 @@ def over_one(table: Table, quantities: list[Quantity], key: str) -> str:
     order = np.argsort(table.design.points[:, 0], kind="stable")
     x = table.design.points[order, 0]
     lost = x[~table.done[order]]
+    lost = lost[:: len(lost) // _STEPS + 1]
     with canvas("Measures over the parameter", key, _WIDTH, [2.4] * len(quantities)) as (axes, svg):
         for axis, quantity in zip(axes, quantities):
             factor, label = _scaled(table, quantity)
             values = table.measures[quantity.name][order] * factor
-            axis.plot(x, values, color=BLUE, marker="o" if len(x) < 60 else "", ms=3)
+            drawn = thin(values, _STEPS)
+            axis.plot(x[drawn], values[drawn], color=BLUE, marker="o" if len(x) < 60 else "", ms=3)
             if quantity.limit is not None:
                 axis.axhline(quantity.limit * factor, color=RED, ls="--", lw=1.0)
             if len(lost):
@@ -53,7 +54,7 @@ def over_one(table: Table, quantities: list[Quantity], key: str) -> str:
 
 
 def over_two(table: Table, quantity: Quantity, key: str) -> str:
-    """A measure over two parameters: cells of a grid or points of a sequence; white on the limit's contour is the limit."""
+    """A measure over two parameters: cells of a grid, with the limit as a white contour, or points of a sequence."""
     factor, label = _scaled(table, quantity)
     values = table.measures[quantity.name] * factor
     with canvas(f"{quantity.label} over two parameters", key, _WIDTH, [4.4]) as ((axis,), svg):
@@ -110,14 +111,16 @@ def operability(table: Table, quantity: Quantity, key: str) -> str:
         axis.step(ordered[kept], 100.0 * shares[kept], where="post", color=GREEN)
         if quantity.limit is not None:
             axis.axvline(quantity.limit * factor, color=RED, ls="--", lw=1.0)
-        axis.set(xlabel=f"limit of {label}", ylabel="share of runs under it [%]", ylim=(0.0, 102.0))
+        axis.set(xlabel=label, ylabel="share of runs under it [%]", ylim=(0.0, 102.0))
     return svg[0]
 
 
 def _cells(axis: Axes, table: Table, values: Array, **look: Any) -> Any:
     design = table.design
     if design.shape:
-        return axis.pcolormesh(*_axes(table), values.reshape(design.shape).T, shading="nearest", rasterized=True, **look)
+        return axis.pcolormesh(
+            *_axes(table), values.reshape(design.shape).T, shading="nearest", rasterized=True, **look
+        )
     points, shown = design.points[:_POINTS], values[:_POINTS]
     lost = ~np.isfinite(shown)
     axis.plot(points[lost, 0], points[lost, 1], "x", color=GREY, ms=4)

@@ -86,7 +86,7 @@ def _figures(found: Table, quantities: Sequence[Quantity], limits: Sequence[Limi
         drawn.append(figure(over_one(found, list(quantities), "one"), "", "Dashed: the limit. Crosses: not done."))
     for k, one in enumerate(quantities):
         if targets == 2:
-            drawn.append(figure(over_two(found, one, f"m{k}"), one.label, _caption(one)))
+            drawn.append(figure(over_two(found, one, f"m{k}"), one.label, _caption(found, one)))
         elif targets > 2:
             drawn.append(figure(over_many(found, one, f"p{k}"), one.label, "The spread is what the others do."))
     repeats = found.measures.get("attractor")
@@ -103,8 +103,15 @@ def _figures(found: Table, quantities: Sequence[Quantity], limits: Sequence[Limi
     return drawn
 
 
-def _caption(one: Quantity) -> str:
-    return "" if one.limit is None else f"The white line is the limit, {number(one.limit)}."
+def _caption(found: Table, one: Quantity) -> str:
+    values = found.measures[one.name]
+    if one.limit is None:
+        return ""
+    limit = quantity(one.limit, found.units[one.name].replace("1", ""))
+    if not np.nanmin(values) < one.limit < np.nanmax(values):
+        side = "under" if np.nanmax(values) <= one.limit else "over"
+        return f"All runs are {side} the limit, {limit}."
+    return f"The white line is the limit, {limit}."
 
 
 def _facts(found: Table, limits: Sequence[Limit]) -> str:
@@ -146,8 +153,7 @@ def _failures(found: Table) -> str:
     if not len(lost):
         return ""
     rows = [
-        (str(k), *map(number, found.design.points[k]), badge(found.status[k]), found.message[k])
-        for k in lost[:SHOWN].tolist()
+        (str(k), *map(number, found.design.points[k]), found.status[k], found.message[k]) for k in lost[:SHOWN].tolist()
     ]
     title = f"Runs that were not done: {len(lost)}"
     return f"<section>{details(title, table(('Run', *_heads(found), 'Status', 'Reason'), rows), True)}</section>\n"

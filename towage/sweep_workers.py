@@ -8,10 +8,12 @@ neighbour of whom. The child is this module's `main`; the parent never loads a u
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import math
 import os
 import pickle
 import queue
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
@@ -29,17 +31,31 @@ if TYPE_CHECKING:
     from .flavour import Flavour
     from .sweep_row import Row
 
+READY = 60.0
+"""What a process is given to load its libraries, s, beyond what `child` gives it."""
+TRIES = 3
+"""Processes in a row that may fail to get ready."""
 LOOK = 0.5
 """Longest wait of the parent for a row, s: it keeps the journal in the meantime."""
 
 
 class Setup(NamedTuple):
-    """What all runs of a sweep share; ``scene`` has no cases. ``timeout``: longest run without progress, s."""
+    """What all runs of a sweep share; ``scene`` has no cases. ``timeout``: longest run without progress, s. ``digests``:
+    of the FMUs that the sweep began with."""
 
     scene: Scene
     fmus: Path | None
     flavour: Flavour
     timeout: float
+    digests: dict[str, str]
+
+
+def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]:
+    """Of the FMU of every unit."""
+    from .flavour import resolve
+
+    units = resolve(scene, fmus, flavour).units
+    return {name: hashlib.sha256(unit.path.read_bytes()).hexdigest()[:16] for name, unit in units.items()}
 
 
 @dataclass(frozen=True)
@@ -81,15 +97,27 @@ class Worker:
     def _ask(self, task: Task) -> Row:
         from .sweep_row import Row
 
-        request = pickle.dumps(task)
-        if self._child is None:
+        child = self._child or self._start()
+        return Row(**child.ask(pickle.dumps(task), None, self._setup.timeout))
+
+    def _start(self) -> Child:
+        """A process that stands ready. Raises `TowageError` if none can be had: no run is to blame for that."""
+        said = ""
+        for _ in range(TRIES):
             name = self._open.enter_context(tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True))
             self._directory = Path(name)
-            self._child = self._open.enter_context(Child(__name__))
-            request = pickle.dumps((self._setup, self._directory)) + request
-        if self._stopped:
-            raise Stopped
-        return Row(**self._child.ask(request, None, self._setup.timeout))
+            self._child = child = self._open.enter_context(Child(__name__))
+            if self._stopped:
+                raise Stopped
+            try:
+                child.ask(pickle.dumps((self._setup, self._directory)), None, READY)
+                return child
+            except Died as death:
+                if self._stopped:
+                    raise Stopped from None
+                said = f"{death}; the last it printed: {child.printed.strip() or 'nothing'}"
+            self.close()
+        raise TowageError(f"no process for the runs of the sweep can be had, the last one {said}")
 
     def _row(self, task: Task, death: Died) -> Row:
         """The row of a run that ended its process, which is cleared away."""
@@ -181,10 +209,23 @@ def main() -> None:
     watch(directory)
     mark = Mark(directory / "mark")
     mark.watch()
+    from . import master, sweep_row  # noqa: F401 - what all runs need
+
+    def report(share: float, text: str) -> None:
+        say({"share": share, "text": text})
+
+    now = digests(setup.scene, setup.fmus, setup.flavour)
+    if now != setup.digests:
+        changed = ", ".join(name for name in now if now[name] != setup.digests.get(name))
+        print(f"the FMUs of {changed} are not those that the sweep began with", file=sys.stderr, flush=True)
+        os._exit(1)
+    say({"ready": True})
+    task = requests.get()  # of which nothing is said until its time moves on: units are loaded for the first time
     while True:
+        say(vars(_serve(setup, task, report)))
         task = requests.get()
         mark.note(b"", b"", math.nan)
-        say(vars(_serve(setup, task, lambda share, text: say({"share": share, "text": text}))))
+        report(0.0, "initialisation")
 
 
 def _serve(setup: Setup, task: Task, report: Report) -> Row:
@@ -195,7 +236,6 @@ def _serve(setup: Setup, task: Task, report: Report) -> Row:
     from .sweep_design import with_values
     from .sweep_row import Row, row
 
-    report(0.0, "initialisation")
     try:
         scene = with_values(setup.scene, dict(task.values))
         master = Master(scene, None, setup.fmus, setup.flavour)

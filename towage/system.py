@@ -74,6 +74,8 @@ class System:
             s.backward = place[s.source] >= place[s.target]
         self.backward = [s for s in self.signals if s.backward]
         self.looped = self._looped()
+        ours = ("python", "native")
+        self.foreign = [i for i, unit in enumerate(self.units) if scene.units[unit.name].flavour not in ours]
         self.indicators = [
             (i, unit.slot[n], unit.slot.get(f"{n}_rate", -1), n.removeprefix("event_"))
             for i, unit in enumerate(self.units) for n in unit.outputs

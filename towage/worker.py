@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import errors
 from .child import Died, Report, attend, converse
+from .files import FULL, reason
 from .mark import Mark
 from .scene import Scene
 
@@ -175,5 +176,10 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
         return {"error": type(error).__name__, "message": str(error.args[0]), "fields": fields}
     except MemoryError:
         return {"memory": True}
+    except OSError as error:
+        if error.errno not in FULL:
+            return {"bug": traceback.format_exc()}
+        said = f"the run cannot keep its journal in {request.directory}: {reason(error)}. TMPDIR may name another place"
+        return {"error": "TowageError", "message": said, "fields": {}}
     except BaseException:
         return {"bug": traceback.format_exc()}

@@ -91,6 +91,8 @@ void solver_free(Solver *);
 Outcome solver_advance(Instance *, double step);
 Outcome solver_observe(Instance *, double t, const double *u, const double *du, double *observed, double *extras);
 Outcome solver_derivatives(Instance *, const double *u, const double *du, double *dx);
+/* State of the unreduced core and its rates, at u and du, that the reduced ones stand for, whose rates are in dx. */
+void solver_expand(Instance *, double *x, double *dx);
 Outcome solver_forward(Instance *, double t, const double *u, const double *du, const double *seed_x, const double *seed_u,
                        const double *seed_du, double *observed, double *dx); /* either result may be NULL */
 

@@ -36,12 +36,11 @@ static size_t divide(Solver *s, const Linear *l, size_t n, double *data)
 static Outcome study(Instance *it, Solver *s)
 {
     const Linear *l = it->unit->linear;
-    const size_t n = l->layout.states, k = l->layout.inputs, r = l->layout.rows;
     Outcome outcome = compare(it);
     s->model = state_space(&l->layout, it->c);
     if (outcome == DONE && it->kind == CO_SIMULATION && l->reduced >= 0 && it->p[l->reduced] > 0.5) {
         s->reduced = true;
-        s->room = malloc(sizeof(double) * (n * n + n * (k + r) + 2 * k * r));
+        s->room = malloc(sizeof(double) * reduced_size(&s->model));
         outcome = s->room ? reduce(it, &s->model, s->room) : NO_MEMORY;
     }
     if (outcome == DONE) outcome = resolve(it);

@@ -18,22 +18,23 @@ static void bring_to(Instance *it, double schedule)
 {
     Solver *s = it->solver;
     const Linear *l = it->unit->linear;
-    const int n = s->model.n, k = s->model.k, r = s->model.r, few = l->rate_rows, powers = l->layout.powers, rows = r + few;
+    const int n = s->model.n, k = s->model.k, r = l->layout.rows, few = l->rate_rows, powers = l->layout.powers, rows = r + few;
+    const size_t stride = s->model.r; /* of C, D and E, which go on where the model is reduced */
     if (s->current && s->schedule == schedule) return;
     combine(n * n, powers, s->model.a, schedule, s->rates);
     combine(n * k, powers, s->model.b, schedule, s->rates + n * n);
     memset(s->observer, 0, sizeof(double) * rows * (n + 3 * k));
-    for (int j = 0; j < n + k; j++) { /* C [A B]; the columns of C are r long */
+    for (int j = 0; j < n + k; j++) { /* C [A B] */
         double *column = s->observer + (size_t)j * rows + r;
         for (int i = 0; i < n; i++)
-            for (int row = 0; row < few; row++) column[row] += s->model.c[row + i * r] * s->rates[i + j * n];
+            for (int row = 0; row < few; row++) column[row] += s->model.c[row + i * stride] * s->rates[i + j * n];
     }
     const double *const shown[] = {s->model.c, s->model.d, s->model.e};
     for (int part = 0, column = 0; part < 3; part++)
         for (int j = 0; j < (part ? k : n); j++, column++) {
-            memcpy(s->observer + (size_t)column * rows, shown[part] + (size_t)j * r, sizeof(double) * r);
+            memcpy(s->observer + (size_t)column * rows, shown[part] + j * stride, sizeof(double) * r);
             /* v' and v'' act on y' as v and v' do on y */
-            if (part) memcpy(s->observer + (size_t)(column + k) * rows + r, shown[part] + (size_t)j * r, sizeof(double) * few);
+            if (part) memcpy(s->observer + (size_t)(column + k) * rows + r, shown[part] + j * stride, sizeof(double) * few);
         }
     s->schedule = schedule;
     s->current = true;
@@ -117,10 +118,10 @@ static void core_at(Instance *it, const double *u, const double *du)
 }
 
 /* y and y' of a vector; y' is zero in the rows whose rates nobody uses. */
-static void look(const Solver *s, int rates, const double *vector, double *y)
+static void look(const Solver *s, const Linear *l, const double *vector, double *y)
 {
-    memset(y, 0, sizeof(double) * 2 * s->model.r);
-    apply_add(s->model.r + rates, s->model.n + 3 * s->model.k, s->observer, vector, y);
+    memset(y, 0, sizeof(double) * 2 * l->layout.rows);
+    apply_add(l->layout.rows + l->rate_rows, s->model.n + 3 * s->model.k, s->observer, vector, y);
 }
 
 Outcome solver_observe(Instance *it, double t, const double *u, const double *du, double *observed, double *extras)
@@ -131,9 +132,9 @@ Outcome solver_observe(Instance *it, double t, const double *u, const double *du
     const Outcome outcome = grow(it);
     if (outcome != DONE) return outcome;
     core_at(it, u, du);
-    look(s, l->rate_rows, s->vector, s->y);
+    look(s, l, s->vector, s->y);
     evaluate(it, &l->observe,
-           (Arguments){{&t, own_states(it), s->y, s->y + s->model.r, u, du, &s->growth, it->p, it->c}},
+           (Arguments){{&t, own_states(it), s->y, s->y + l->layout.rows, u, du, &s->growth, it->p, it->c}},
            (Results){{observed, extras}});
     return DONE;
 }
@@ -150,6 +151,28 @@ Outcome solver_derivatives(Instance *it, const double *u, const double *du, doub
         evaluate(it, &l->own_rates, (Arguments){{own_states(it), u, du, it->p, it->c}},
                (Results){{dx + l->layout.states}});
     return DONE;
+}
+
+void solver_expand(Instance *it, double *x, double *dx)
+{
+    Solver *s = it->solver;
+    const int n = s->model.n, k = s->model.k, all = it->unit->linear->layout.states, first = it->unit->linear->layout.rows;
+    if (n == all) return; /* nothing was left out */
+    core_at(it, it->u, it->du);
+    memcpy(s->next, dx, sizeof(double) * n);
+    for (int row = 0; row < all; row++) {
+        const double *c = s->model.c + first + row, *d = s->model.d + first + row, *e = s->model.e + first + row;
+        const double *z = s->vector, *v = z + n, *dv = v + k, *ddv = dv + k;
+        x[row] = dx[row] = 0.0;
+        for (int j = 0; j < n; j++, c += s->model.r) {
+            x[row] += *c * z[j];
+            dx[row] += *c * s->next[j];
+        }
+        for (int j = 0; j < k; j++, d += s->model.r, e += s->model.r) {
+            x[row] += *d * v[j] + *e * dv[j];
+            dx[row] += *d * dv[j] + *e * ddv[j];
+        }
+    }
 }
 
 /* ds (A' z + B' v), in s->next. */
@@ -171,7 +194,7 @@ Outcome solver_forward(Instance *it, double t, const double *u, const double *du
 {
     Solver *s = it->solver;
     const Linear *l = it->unit->linear;
-    const int n = s->model.n, k = s->model.k, r = s->model.r;
+    const int n = s->model.n, k = s->model.k, r = l->layout.rows;
     const double *own = own_states(it), *seed_own = seed_x + l->layout.states, *p = it->p, *c = it->c;
     double seed_s = 0.0, seed_growth = 0.0, *seed_v = s->seed_vector + n;
     bring_to(it, schedule_of(it, u));
@@ -195,10 +218,10 @@ Outcome solver_forward(Instance *it, double t, const double *u, const double *du
     if (!observed) return DONE;
     const Outcome outcome = grow(it);
     if (outcome != DONE) return outcome;
-    look(s, l->rate_rows, s->vector, s->y);
-    look(s, l->rate_rows, s->seed_vector, s->seed_y);
+    look(s, l, s->vector, s->y);
+    look(s, l, s->seed_vector, s->seed_y);
     for (int j = 0; j < n; j++)
-        for (int i = 0; i < l->rate_rows; i++) s->seed_y[r + i] += s->model.c[i + j * r] * s->next[j];
+        for (int i = 0; i < l->rate_rows; i++) s->seed_y[r + i] += s->model.c[i + j * s->model.r] * s->next[j];
     if (l->growth >= 0 && seed_s != 0.0) seed_growth = seed_s * growth_slope(it);
     evaluate(it, &l->observe_forward,
            (Arguments){{&t,   own,      s->y,      s->y + r,       u,      du,      &s->growth,   p,    c, NULL, NULL,

@@ -64,8 +64,8 @@ Outcome retune(Instance *it)
     if (it->unit->linear && solver_reduced(it)) {
         memcpy(it->values, it->p, size);
         it->stale = false;
-        return refuse(it, REFUSED, "parameters may change between steps with reduced = 0 only: the states of another "
-                      "reduced model mean something else");
+        return refuse(it, REFUSED, "parameters may not be set: the states of another reduced model mean something else, "
+                      "this needs reduced = 0");
     }
     memcpy(it->kept_p, it->p, size);
     outcome = constants(it);

@@ -63,10 +63,34 @@ static Outcome search(Instance *it, Measure *m, StateSpace *model, double *room)
     return outcome;
 }
 
+size_t reduced_size(const StateSpace *full)
+{
+    const size_t n = full->n, k = full->k, r = full->r + n;
+    return n * n + n * k + r * n + 2 * r * k;
+}
+
+/* `rows` by `columns` at the top of `all`, ones or zeros below. */
+static void extend(int rows, int all, int columns, const double *a, double one, double *extended)
+{
+    memset(extended, 0, sizeof(double) * all * columns);
+    for (int j = 0; j < columns; j++) {
+        memcpy(extended + (size_t)j * all, a + (size_t)j * rows, sizeof(double) * rows);
+        if (rows + j < all) extended[rows + j + (size_t)j * all] = one;
+    }
+}
+
 Outcome reduce(Instance *it, StateSpace *model, double *room)
 {
-    const StateSpace full = *model;
+    const int n = model->n, k = model->k, r = model->r, rows = r + n;
+    double *c = malloc(sizeof(double) * rows * (n + 2 * k)), *d = c + rows * n, *e = d + rows * k;
+    if (!c) return NO_MEMORY;
+    extend(r, rows, n, model->c, 1.0, c);
+    extend(r, rows, k, model->d, 0.0, d);
+    extend(r, rows, k, model->e, 0.0, e);
+    const StateSpace full = {n, k, rows, model->a, model->b, c, d, e};
     Measure m = {.full = &full, .inputs = counted_inputs(it)};
     band_frequencies(it->p[it->unit->linear->band], m.omega);
-    return search(it, &m, model, room);
+    const Outcome outcome = search(it, &m, model, room);
+    free(c);
+    return outcome;
 }

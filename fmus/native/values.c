@@ -2,7 +2,7 @@
 
 #include "core.h"
 
-#include <math.h>
+#include <string.h>
 
 static bool settable(const Instance *it, const Variable *v)
 {
@@ -69,35 +69,42 @@ static bool given(const Unit *unit, const unsigned *references, size_t count)
     return true;
 }
 
-/* States and their derivatives, which are not among the values. A reduced model has no such core states: NaN. */
-static double state_value(const Instance *it, int position)
+/* States and their derivatives, which are not among the values, in kept_x and sensed_rates. */
+static Outcome show_states(Instance *it, bool rates)
 {
-    const Unit *unit = it->unit;
-    const int state = position % unit->states;
-    if (unit->linear && solver_reduced(it) && state < unit->linear->layout.states)
-        return NAN;
-    return position < unit->states ? it->x[position] : it->sensed_rates[state];
+    const bool reduced = it->unit->linear && solver_reduced(it);
+    memcpy(it->kept_x, it->x, (size_t)it->unit->states * sizeof *it->x);
+    memset(it->sensed_rates, 0, (size_t)it->unit->states * sizeof *it->sensed_rates);
+    if (it->phase == INSTANTIATED || !(rates || reduced))
+        return DONE;
+    const Outcome outcome = state_rates(it, it->sensed_rates);
+    if (outcome == DONE && reduced)
+        solver_expand(it, it->kept_x, it->sensed_rates);
+    return outcome;
 }
 
 Outcome instance_get(Instance *it, const unsigned *references, size_t count, double *values)
 {
     const Unit *unit = it->unit;
     const unsigned state = (unsigned)first_state(unit), rate = (unsigned)first_rate(unit), extra = (unsigned)first_extra(unit);
-    bool rated = false;
+    bool states = false, rates = false;
     Outcome outcome = DONE;
     for (size_t i = 0; i < count; i++) {
         if ((outcome = known_reference(it, references[i])) != DONE)
             return outcome;
-        rated = rated || (references[i] >= rate && references[i] < extra);
+        states = states || (references[i] >= state && references[i] < extra);
+        rates = rates || (references[i] >= rate && references[i] < extra);
     }
     /* parameters can be read while they do not fit together yet */
     if (!it->fresh && (it->phase != INITIALIZING || !given(unit, references, count)))
         outcome = refresh(it);
-    if (outcome == DONE && rated && it->phase != INSTANTIATED)
-        outcome = state_rates(it, it->sensed_rates);
+    if (outcome == DONE && states)
+        outcome = show_states(it, rates);
     for (size_t i = 0; outcome == DONE && i < count; i++) {
-        const bool stored = references[i] < state || references[i] >= extra;
-        values[i] = stored ? it->values[references[i]] : state_value(it, (int)(references[i] - state));
+        if (references[i] < state || references[i] >= extra)
+            values[i] = it->values[references[i]];
+        else
+            values[i] = references[i] < rate ? it->kept_x[references[i] - state] : it->sensed_rates[references[i] - rate];
         if (!is_finite(values[i])) /* a calculated parameter: outputs were checked */
             outcome = refuse(it, REFUSED, "%s is not finite", unit->variable[references[i]].name);
     }

@@ -16,6 +16,7 @@ NATIVE = Path(__file__).parents[2] / "fmus" / "native"
 FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-fPIC")
 DONE, REFUSED, NO_STEP = range(3)
 CO_SIMULATION, MODEL_EXCHANGE = range(2)
+Library = tuple[ctypes.CDLL, Traced]
 TOLERANT = {"model.c"}
 """Generated files, in which unused variables are no mistake."""
 

@@ -17,7 +17,7 @@ typedef void (*Logger)(void *, const char *, int, const char *, const char *, ..
 typedef struct { Logger logger; void *(*allocate)(size_t, size_t); void (*release)(void *); void *finished, *environment; } Callbacks;
 typedef struct {
     double u, y, gain, x0, time, hidden;
-    int factor, reversed, steps;
+    int factor, reversed, steps, gone;
     char label[64], name[64], misdeed[96];
     const Callbacks *callbacks;
 } Unit;
@@ -32,6 +32,7 @@ static int due(Unit *unit, const char *where)
 {
     const char *what = strchr(unit->misdeed, ':'), *at = strchr(unit->misdeed, '@');
     size_t length = strlen(where);
+    if (unit->gone) raise(SIGKILL); /* no call may follow on Fatal */
     if (!what || strncmp(unit->misdeed, where, length) || unit->misdeed[length] != ':')
         return OK;
     if (unit->time < (at ? atof(at + 1) : 0.0) - 1e-9)
@@ -40,7 +41,7 @@ static int due(Unit *unit, const char *where)
 #define IS(word) (!strncmp(what, word, strlen(word)))
     if (IS("segv")) *nowhere = 1;
     if (IS("overflow")) { deeper = deep; return deep(0); }
-    if (IS("divide")) return 1 / zero;
+    if (IS("divide")) return 7 / zero;
     if (IS("abort")) abort();
     if (IS("kill")) raise(SIGKILL);
     if (IS("leave")) exit(0);
@@ -50,7 +51,8 @@ static int due(Unit *unit, const char *where)
     if (IS("smash")) memset((char *)unit - 4096, 0x55, 3 * 4096);
     if (IS("glutton")) for (;;) *(volatile char *)malloc(64u << 20) = 1;
     if (IS("close")) for (int k = 0; k < 64; k++) close(k);
-    if (IS("flood")) for (int k = 0; k < 200000; k++) puts("{\"done\": null} this unit likes to talk about itself");
+    if (IS("flood")) for (int k = 0; k < 2000; k++) puts("{\"done\": null} this unit likes to talk about itself");
+    if (IS("torrent")) for (int k = 0; k < 100; k++) fwrite(unit->name, 1, sizeof unit->name, stdout), printf("%099999d", k);
     if (IS("babble")) for (int k = 0; k < 20000; k++)
         unit->callbacks->logger(unit->callbacks->environment, unit->name, WARNING, "\xff", "\xff\xfe %d %s", k, "\x80");
     if (IS("silent log")) unit->callbacks->logger(0, 0, ERROR, 0, 0);
@@ -58,7 +60,7 @@ static int due(Unit *unit, const char *where)
     if (IS("inf")) unit->y = HUGE_VAL;
     if (IS("discard")) return DISCARD;
     if (IS("error")) return ERROR;
-    if (IS("fatal")) return FATAL;
+    if (IS("fatal")) { unit->gone = 1; return FATAL; }
     if (IS("nonsense")) return 77;
     if (IS("pending")) return 5;
     return OK;
@@ -85,7 +87,12 @@ int fmi2SetupExperiment(Unit *unit, int defined, double tolerance, double start,
 }
 int fmi2EnterInitializationMode(Unit *unit) { return due(unit, "enter"); }
 int fmi2ExitInitializationMode(Unit *unit) { unit->y = unit->x0; return due(unit, "exit"); }
+#ifdef NEEDS_MORE
+int a_function_of_a_library_that_is_not_there(void);
+int fmi2Terminate(Unit *unit) { return due(unit, "terminate") + a_function_of_a_library_that_is_not_there(); }
+#else
 int fmi2Terminate(Unit *unit) { return due(unit, "terminate"); }
+#endif
 int fmi2Reset(Unit *unit) { unit->y = 0; return OK; }
 
 int fmi2SetReal(Unit *unit, const unsigned *references, size_t count, const double *values)
@@ -173,7 +180,7 @@ int fmi2SetFMUstate(Unit *unit, Unit *state)
         unit->hidden = kept;
     return OK;
 }
-int fmi2FreeFMUstate(Unit *unit, Unit **state) { (void)unit; free(*state); *state = NULL; return OK; }
+int fmi2FreeFMUstate(Unit *unit, Unit **state) { due(unit, "release"); free(*state); *state = NULL; return OK; }
 int fmi2GetRealStatus(Unit *unit, int kind, double *value) { (void)kind; *value = unit->time + 1e6; return OK; } /* a lie */
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }

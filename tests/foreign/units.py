@@ -51,7 +51,9 @@ def library(*flags: str) -> bytes:
         return path.read_bytes()
 
 
-def hostile(path: Path, misdeed: str = "none", rollback: bool = True, options: str = "", flags: tuple[str, ...] = ()) -> Path:
+def hostile(
+    path: Path, misdeed: str = "none", rollback: bool = True, options: str = "", flags: tuple[str, ...] = ()
+) -> Path:
     """The FMU that does ``misdeed``; ``options`` are further attributes of its CoSimulation element."""
     platform, suffix = platform_name()
     text = DESCRIPTION.format(misdeed=misdeed, rollback=str(rollback).lower(), options=options)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from . import common
 
 if TYPE_CHECKING:
     from ..scene import Scene
-    from ..sweep import Hear, Sweep
+    from ..sweep import Sweep
     from ..sweep_design import Design
     from ..sweep_table import Table
 
@@ -49,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "Writes journal.jsonl (a line a finished run, from which --resume goes on), table.npz, table.csv, report.html.\n"
         "Returns 4 if some runs failed, crashed or hung; these have their reason in the table.\n\n"
-        "examples:\n  towage sweep sea_cliff --case '8 s wave' --vary 'cradle.mass=20 long_ton:60 long_ton:9' "
+        "example:\n  towage sweep sea_cliff --case '8 s wave' --vary 'cradle.mass=20 long_ton:60 long_ton:9' "
         "--vary 'line.stiffness=0.5 tonf_long/ft:2 tonf_long/ft:9'\n"
         "  towage sweep slack --sobol --samples 256 --vary 'ship.heave_amplitude=2 ft:6 ft' "
         "--vary 'ship.heave_period=6 s:10 s' --limit 'line.tension=60 kip'"
@@ -107,10 +108,16 @@ def _design(arguments: argparse.Namespace, scene: Scene) -> Design:
 
 
 def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
-    from ..progress import progress
+    from ..progress import Bar, progress
 
-    with progress(len(sweep.design.points), "sweep", arguments.progress) as bar:
-        hear: Hear = lambda ended, failed: bar.update(ended, f"{failed} not done" if failed else "")  # noqa: E731
+    bars: list[Bar] = []
+    with contextlib.ExitStack() as shown:
+
+        def hear(ended: int, total: int, failed: int) -> None:
+            if not bars:  # only now is it known how many are left to do
+                bars.append(shown.enter_context(progress(total, "sweep", arguments.progress)))
+            bars[0].update(ended, f"{failed} not done" if failed else "")
+
         return sweep.run(out, arguments.resume, arguments.workers, arguments.dask, hear)
 
 

@@ -1,0 +1,56 @@
+"""Runs the shipped scenes and writes a page for each into ``docs/scenes/``: ``python docs/make_scenes.py [SCENE ...]``.
+
+The pages are not committed: what they say is what the scenes do now. A page shows the command that a reader would type.
+"""
+
+import sys
+from pathlib import Path
+
+import towage
+from towage.report_format import moment, number, percent
+from towage.report_plots import Plotter
+from towage.result import Result
+from towage.scene import Scene, available_scenes
+
+PAGES = Path(__file__).with_name("scenes")
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
+GRAVITY = ("invalid", "marginal", "not judged", "valid")
+
+
+def page(scene: Scene, name: str, results: list[Result]) -> tuple[str, str | None]:
+    """(Markdown, SVG of the gravest case or None)."""
+    gravest = min(results, key=lambda result: GRAVITY.index(result.verdict.word))
+    plot = Plotter(gravest, name, 800)
+    picture = plot.motions() or plot.tension() or next(iter(plot.others()[0]), None)
+    lines = [
+        f"# {scene.title}", "", scene.description, "", "```", f"towage run {name}", "```", "",
+        "| case | verdict | decided by | worst margin | coupling error |", "|---|---|---|---|---|",
+    ]  # fmt: skip
+    for result in results:
+        verdict, margin, error = result.verdict, result.worst_margin(), result.worst_coupling_error()
+        number_of = "" if verdict.number is None else f" ({number(verdict.number)}, limit {number(verdict.limit)})"
+        worst = f"{number(margin.worst)} (`{margin.variable}` at {moment(margin.time)})" if margin else "none"
+        estimate = percent(error[1], 2) if error else "not estimated"
+        word = "failed" if result.status == "failed" else verdict.word
+        lines.append(f"| {result.case or 'the scene'} | **{word}** | {verdict.reason}{number_of} | {worst} | {estimate} |")
+    if picture:
+        case = f", {gravest.case}" if gravest.case else ""
+        lines += ["", f"![{scene.title}{case}]({name}.svg)", "", f"The gravest case{case}."]
+    lines += ["", "## The scene file", "", "```toml", scene.source.strip(), "```"]
+    return "\n".join(lines) + "\n", picture and picture.replace("<svg ", SVG, 1)
+
+
+def write(name: str, directory: Path) -> None:
+    """Runs every case of the shipped scene and writes its page."""
+    scene = Scene.load(name)
+    text, picture = page(scene, name, [towage.run(name, case=case.name) for case in scene.cases] or [towage.run(name)])
+    directory.mkdir(parents=True, exist_ok=True)
+    (directory / f"{name}.md").write_text(text, encoding="utf-8")
+    if picture:
+        (directory / f"{name}.svg").write_text(picture, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    for scene_name in sys.argv[1:] or [scene.name for scene in available_scenes()]:
+        print(scene_name, file=sys.stderr, flush=True)
+        write(scene_name, PAGES)

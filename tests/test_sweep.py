@@ -1,0 +1,489 @@
+"""Sweeps: every fault costs one run, a kill costs the runs in flight, and what is resumed has the same bits.
+
+The faults come from a foreign unit, built with plain PythonFMU, that crashes, hangs, exits, turns NaN, refuses to start or
+poisons its process for the next run, by the number of its run.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from towage import cli
+from towage.errors import SceneError, TowageError
+from towage.master import Master
+from towage.scene import Scene
+from towage.sweep import JOURNAL, Sweep
+from towage.sweep_attractor import APERIODIC, repeats_after
+from towage.sweep_design import grid, parse_vary, sobol, with_values
+from towage.sweep_journal import Journal, JournalError
+from towage.sweep_row import Row
+from towage.sweep_table import Table
+from towage.sweep_workers import Setup, Task, Worker
+
+SCRIPT = '''
+import ctypes
+import math
+import os
+import time
+
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+
+class Fragile(Fmi2Slave):
+    """Heaves; the run ``number`` modulo ``among`` decides what goes wrong."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.number, self.among, self.amplitude, self.heave = 0.0, 60.0, 1.0, 0.0
+        parameter = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}
+        for name, start in (("number", 0.0), ("among", 60.0), ("amplitude", 1.0)):
+            self.register_variable(Real(name, start=start, **parameter))
+        self.register_variable(Real("heave", causality=Fmi2Causality.output))
+
+    def exit_initialization_mode(self):
+        if self.number % self.among == 55:
+            raise ValueError("no such winch")
+
+    def terminate(self):
+        if self.number % self.among == 12:
+            os.environ["TOWAGE_POISON"] = "1"
+
+    def do_step(self, t, h):
+        self.heave = self.amplitude * math.sin(t + h)
+        fault = self.number % self.among
+        if t > 0.45 and "TOWAGE_POISON" in os.environ:
+            ctypes.string_at(0)
+        if t > 0.45 and fault == 7:
+            ctypes.string_at(0)
+        if t > 0.45 and fault == 23:
+            while True:
+                time.sleep(0.01)
+        if t > 0.45 and fault == 41:
+            os._exit(7)
+        if fault == 50:
+            self.heave = math.nan
+        return True
+'''
+MANY = 10_000
+FAULTS = {7: "crashed", 23: "hung", 41: "crashed", 50: "failed", 55: "failed"}
+"""Number of the run, modulo ``among`` -> status. 12 harms the run after it only."""
+SCENE = """title = "Winch"
+stop_time = "1 s"
+connections = [
+    "winch.heave -> line.heave_top", "cradle.heave -> line.heave_bottom", "line.tension -> cradle.line_tension",
+]
+[units.winch]
+fmu = "Fragile.fmu"
+[units.winch.parameters]
+among = 60
+[units.line]
+fmu = "spring_line"
+[units.cradle]
+fmu = "cradle"
+[coupling]
+step = "0.1 s"
+scheme = "extrapolate"
+error_estimate = false
+"""
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(path or os.getcwd() for path in sys.path)}
+TIMEOUT = "4"
+"""s without progress: a run takes 0.05 s, and on a loaded machine has a second chance in a fresh process."""
+RUNS = 60
+TABLES = "table.npz", "table.csv", "report.html"
+
+
+@pytest.fixture(scope="module")
+def winch(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The scene, beside its foreign FMU."""
+    directory = tmp_path_factory.mktemp("fragile")
+    (directory / "fragile.py").write_text(SCRIPT)
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "fragile.py"]
+    subprocess.run(command, cwd=directory, check=True, capture_output=True, timeout=60)
+    (directory / "winch.toml").write_text(SCENE)
+    return directory / "winch.toml"
+
+
+def arguments(winch: Path, out: Path, *more: str, runs: int = RUNS) -> list[str]:
+    """Of the command line, for the sweep with faults."""
+    return [
+        "sweep", str(winch), "--vary", f"winch.number=0:{runs - 1}:{runs}", "--out", str(out), "--timeout", TIMEOUT,
+        "--workers", "2", "--progress", "none", "--flavour", "python", *more,
+    ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole(winch: Path) -> Path:
+    """The directory of a sweep that nobody interrupted."""
+    out = winch.with_name("whole")
+    assert cli.main(arguments(winch, out, "--limit", "line.tension=1e9")) == 4
+    return out
+
+
+def resumed_equals(winch: Path, out: Path, whole: Path) -> None:
+    assert cli.main(arguments(winch, out, "--resume", "--limit", "line.tension=1e9")) == 4
+    for name in TABLES:
+        assert (out / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+def test_every_fault_costs_one_run_and_says_why(whole: Path) -> None:
+    with np.load(whole / "table.npz") as table:
+        assert table["index"].tolist() == list(range(RUNS))
+        assert {k: str(s) for k, s in enumerate(table["status"]) if s != "done"} == FAULTS
+        messages = table["message"].tolist()
+        metadata = json.loads(table["metadata"].tobytes())
+        measures = dict(zip(metadata["measures"], table["measures"].T, strict=True))
+    assert messages[7].startswith("winch, t = 0.5 s: crashed the process of the run (SIGSEGV")
+    assert messages[23].startswith("winch, t = 0.5 s: made no progress for 4 s")
+    assert messages[41].startswith("winch, t = 0.5 s: ended the process of the run (exit code 7)")
+    assert messages[50].startswith("winch.heave, t = 0.1 s: heave became nan")
+    assert "no such winch" in messages[55]
+    assert np.isnan(measures["max:line.tension"][list(FAULTS)]).all()
+    assert np.isfinite(np.delete(measures["max:line.tension"], list(FAULTS))).all()
+    assert metadata["measure_units"][metadata["measures"].index("max:line.tension")] == "N"
+
+
+def test_the_journal_says_where_a_unit_crashed(whole: Path) -> None:
+    rows = [json.loads(line) for line in (whole / JOURNAL).read_text().splitlines()[1:]]
+    assert sorted(row["index"] for row in rows) == list(range(RUNS))
+    assert all("fragile.py" in row["note"] for row in rows if row["index"] in (7, 23))
+
+
+def test_a_row_is_what_the_master_finds(winch: Path, whole: Path) -> None:
+    scene = Scene.load(winch)
+    result = Master(with_values(scene, {"winch.number": 30.0}), None, None, "python").run()
+    with open(whole / "table.csv", newline="") as file:
+        row = list(csv.DictReader(file))[30]
+    assert float(row["winch.number [-]"]) == 30.0
+    assert float(row["max:line.tension [N]"]) == result["line.tension"].max()
+    assert float(row["min:cradle.heave [m]"]) == result["cradle.heave"].min()
+    assert row["verdict"] == result.verdict.word
+
+
+def test_report_shows_faults_and_is_self_contained(whole: Path) -> None:
+    page = (whole / "report.html").read_text()
+    assert "Runs that were not done: 5" in page
+    assert "Operability: largest line.tension" in page
+    assert "<svg" in page
+    assert "http" not in page
+
+
+def test_killed_sweep_is_resumed_to_the_same_bits(winch: Path, whole: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "towage", *arguments(winch, tmp_path)]
+    with subprocess.Popen(command, env=ENVIRONMENT, start_new_session=True, stderr=subprocess.DEVNULL) as process:
+        finished = await_lines(tmp_path / JOURNAL, 15)
+        os.killpg(process.pid, signal.SIGKILL)
+    kept = len((tmp_path / JOURNAL).read_bytes().split(b"\n")) - 1
+    assert finished <= kept < RUNS + 1
+    before = (tmp_path / JOURNAL).read_bytes()
+    resumed_equals(winch, tmp_path, whole)
+    after = (tmp_path / JOURNAL).read_bytes()
+    assert after.startswith(before[: before.rfind(b"\n") + 1])
+    assert len(after.splitlines()) == RUNS + 1  # no run was done twice
+
+
+def test_terminated_sweep_says_how_to_go_on(winch: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "towage", *arguments(winch, tmp_path)]
+    with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True) as process:
+        await_lines(tmp_path / JOURNAL, 3)
+        process.terminate()
+        _, said = process.communicate(timeout=30)
+    assert process.returncode == cli.INTERRUPTED
+    assert "--resume" in said
+
+
+def test_torn_journal_is_resumed_to_the_same_bits(winch: Path, whole: Path, tmp_path: Path) -> None:
+    lines = (whole / JOURNAL).read_bytes().splitlines(keepends=True)
+    (tmp_path / JOURNAL).write_bytes(b"".join(lines[:50]) + lines[50][:-20])
+    resumed_equals(winch, tmp_path, whole)
+    assert len((tmp_path / JOURNAL).read_bytes().splitlines()) == RUNS + 1
+
+
+def await_lines(path: Path, count: int, longest: float = 60.0) -> int:
+    """Lines of the file, once it has so many; for ``longest`` s at most."""
+    deadline = time.monotonic() + longest
+    while True:
+        lines = path.read_bytes().count(b"\n") if path.exists() else 0
+        if lines >= count:
+            return lines
+        assert time.monotonic() < deadline, f"{lines} lines"
+        time.sleep(0.02)
+
+
+def test_workers_that_cannot_start_are_no_fault_of_the_runs(
+    winch: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "numpy").mkdir()
+    (tmp_path / "numpy" / "__init__.py").write_text("raise ImportError('out of order')")
+    sweep = Sweep(Scene.load(winch), grid(Scene.load(winch), ["winch.amplitude=1:3:3"]), flavour="python")
+    monkeypatch.syspath_prepend(tmp_path)  # which the children get, too late for this process
+    with pytest.raises(TowageError, match="out of order"):
+        sweep.run(tmp_path, workers=2)
+    assert len((tmp_path / JOURNAL).read_text().splitlines()) == 1
+
+
+def test_units_that_change_during_a_sweep_end_it(winch: Path) -> None:
+    began = dict.fromkeys(("winch", "line", "cradle"), "another digest")
+    worker = Worker(Setup(Scene.load(winch), None, "python", 60.0, began))
+    with pytest.raises(TowageError, match="the FMUs of winch, line, cradle are not those that the sweep began with"):
+        worker.run(Task(0, {}))
+
+
+# ---- the journal ----------------------------------------------------------------------------------------------------
+
+
+def test_numbers_read_back_to_the_same_bits(tmp_path: Path) -> None:
+    values = [0.1 + 0.2, -0.0, 5e-324, math.inf, -math.inf, math.nan, 1.7976931348623157e308, math.pi]
+    row = Row(3, "done", "valid", "µ \n", {str(k): value for k, value in enumerate(values)})
+    with Journal(tmp_path / JOURNAL, {"a": 1}, False) as journal:
+        journal.append(row)
+    with Journal(tmp_path / JOURNAL, {"a": 1}, True) as journal:
+        read = journal.rows[3]
+    assert np.array([*read.measures.values()]).tobytes() == np.array(values).tobytes()
+    assert read.message == row.message
+
+
+@pytest.mark.parametrize("cut", range(1, 40, 3))
+def test_torn_line_is_dropped_and_written_over(tmp_path: Path, cut: int) -> None:
+    path = tmp_path / JOURNAL
+    with Journal(path, {"a": 1}, False) as journal:
+        for k in range(3):
+            journal.append(Row(k, "done", measures={"x": k / 3}))
+    path.write_bytes(path.read_bytes()[:-cut])
+    with Journal(path, {"a": 1}, True) as journal:
+        assert list(journal.rows) == [0, 1]
+        journal.append(Row(2, "done", measures={"x": 2 / 3}))
+    with Journal(path, {"a": 1}, True) as journal:
+        assert [row.measures["x"] for row in journal.rows.values()] == [0.0, 1 / 3, 2 / 3]
+
+
+def test_defects_are_done_again(tmp_path: Path) -> None:
+    path = tmp_path / JOURNAL
+    with Journal(path, {"a": 1}, False) as journal:
+        journal.append(Row(0, "defect"))
+    with Journal(path, {"a": 1}, True) as journal:
+        assert journal.rows == {}
+        journal.append(Row(0, "done"))
+    with Journal(path, {"a": 1}, True) as journal:
+        assert journal.rows[0].status == "done"
+
+
+def test_journal_torn_in_its_first_line_begins_anew(tmp_path: Path) -> None:
+    (tmp_path / JOURNAL).write_bytes(b'{"sweep": {"a')
+    with Journal(tmp_path / JOURNAL, {"a": 1}, True) as journal:
+        assert journal.rows == {}
+    assert (tmp_path / JOURNAL).read_bytes() == b'{"sweep": {"a": 1}}\n'
+
+
+def test_journals_that_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / JOURNAL
+    with Journal(path, {"a": {"b": 1, "c": [2]}}, False) as journal:
+        journal.append(Row(0, "done"))
+        with pytest.raises(JournalError, match="in use by another sweep"):
+            Journal(path, {"a": {"b": 1, "c": [2]}}, True)
+    with pytest.raises(JournalError, match="holds a sweep already: continue it with --resume"):
+        Journal(path, {"a": {"b": 1, "c": [2]}}, False)
+    with pytest.raises(JournalError, match=r"a\.b: 1 there, 3 here"):
+        Journal(path, {"a": {"b": 3, "c": [2]}}, True)
+    path.write_bytes(path.read_bytes() + b"nonsense\n" + path.read_bytes())
+    with pytest.raises(JournalError, match="line 3 is damaged"):
+        Journal(path, {"a": {"b": 1, "c": [2]}}, True)
+
+
+def test_another_sweep_is_told_by_what_differs(
+    winch: Path, whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (whole / JOURNAL).read_bytes()
+    assert cli.main(arguments(winch, whole, "--resume", "--set", "line.stiffness=1e5")) == 2
+    assert "scene.units.line.parameters" in capsys.readouterr().err
+    assert cli.main(arguments(winch, whole, "--resume", runs=61)) == 2
+    assert "design.points" in capsys.readouterr().err
+    assert cli.main(arguments(winch, whole)) == 2
+    assert "--resume" in capsys.readouterr().err
+    assert (whole / JOURNAL).read_bytes() == before
+
+
+# ---- the design -----------------------------------------------------------------------------------------------------
+
+
+def test_grid_runs_through_all_combinations_in_si(winch: Path) -> None:
+    design = grid(Scene.load(winch), ["winch.amplitude=1:3:3", "cradle.mass=30 long_ton:40 long_ton:2"])
+    mass = [30 * 2240 * 0.45359237, 40 * 2240 * 0.45359237]
+    assert design.points.tolist() == [[a, pytest.approx(m, rel=1e-15)] for a in (1.0, 2.0, 3.0) for m in mass]
+    assert (design.shape, design.units) == ((3, 2), ("", "kg"))
+    assert list(design.values(0)) == ["winch.amplitude", "cradle.mass"]
+    keys = grid(Scene.load(winch), ["coupling.step=0.05 s:100 ms:3"])
+    assert keys.points.ravel().tolist() == pytest.approx([0.05, 0.075, 0.1])
+
+
+def test_sobol_is_reproducible_nested_and_inside(winch: Path) -> None:
+    ranges = ["winch.amplitude=1:3", "cradle.mass=30 long_ton:40 long_ton"]
+    few, many = (sobol(Scene.load(winch), ranges, n, seed=4) for n in (100, 128))
+    assert few.points.tobytes() == many.points[:100].tobytes()
+    assert many.digest() != sobol(Scene.load(winch), ranges, 128, seed=5).digest()
+    share = (many.points[:, 0] - 1.0) / 2.0
+    # each of 128 equal parts of the range has exactly one point: what makes the sequence more even than chance
+    assert sorted((share * 128).astype(int)) == list(range(128))
+
+
+@pytest.mark.parametrize(
+    ("ranges", "said"),
+    [
+        (["cradle.mass"], "expected unit.parameter=FROM:TO:COUNT"),
+        (["cradle.mass=1 kg:2 kg:x"], "expected unit.parameter"),
+        (["cradle.mass=1 kg:2 kg:1"], "at least 2 values"),
+        (["cradle.mass=1 kg:2 kg"], "how many values"),
+        (["cradle.mass=2 t:2 t:4"], "both ends"),
+        (["cradle.mess=1 t:2 t:4"], "did you mean 'mass'"),
+        (["cradle.mass=1 m:2 m:4"], "mass"),
+        (["cradle.mass=-1 t:2 t:4"], "out of range"),
+        (["cradle.mass=1 t:2 t:4", "cradle.mass=1 t:2 t:4"], "varied twice"),
+        (["coupling.scheme=jacobi:hermite:2"], "no number"),
+        (["cradle.mass=1 t:2 t:2000", "line.stiffness=1e5:2e5:2000"], "more than"),
+        ([], "nothing is varied"),
+    ],
+)
+def test_ranges_that_are_refused(winch: Path, ranges: list[str], said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        grid(Scene.load(winch), ranges)
+
+
+def test_vary_reads_units_with_spaces() -> None:
+    vary = parse_vary(" ship.heave_amplitude = 2 ft : 6 ft : 9 ")
+    assert (vary.target, vary.low, vary.high, vary.count) == ("ship.heave_amplitude", "2 ft", "6 ft", 9)
+
+
+# ---- tables, attractors, the command --------------------------------------------------------------------------------
+
+
+def test_table_does_not_depend_on_the_order_of_runs(winch: Path) -> None:
+    design = grid(Scene.load(winch), ["winch.amplitude=1:3:3"])
+    rows = [
+        Row(0, "done", measures={"min:a.x": 1.0, "max:a.x": 2.0}), Row(1, "hung"),
+        Row(2, "done", measures={"events:a.taut": 2.0, "sdof:rms": 0.1}),
+    ]  # fmt: skip
+    first, second = (Table.of("t", design, {r.index: r for r in some}, {"a.x": "m"}) for some in (rows, rows[::-1]))
+    assert list(first.measures) == list(second.measures) == ["sdof:rms", "max:a.x", "min:a.x", "events:a.taut"]
+    assert first.measures["events:a.taut"].tolist() == [0.0, pytest.approx(np.nan, nan_ok=True), 2.0]
+    assert list(first.units.values()) == ["1", "m", "m", "1"]
+    assert first.done.tolist() == [True, False, True]
+
+
+def test_attractors_are_told_apart() -> None:
+    time = np.arange(0.0, 160.0, 0.1)
+    phase = 2.0 * np.pi * time / 8.0
+    assert repeats_after(time, np.sin(phase), 8.0) == 1.0
+    assert repeats_after(time, np.sin(phase) + 0.3 * np.sin(phase / 2.0), 8.0) == 2.0
+    assert repeats_after(time, np.sin(phase) + 0.3 * np.sin(phase / 3.0), 8.0) == 3.0
+    assert repeats_after(time, np.sin(phase) + 0.3 * np.sin(phase / np.sqrt(2.0)), 8.0) == APERIODIC
+    assert repeats_after(time, np.sin(phase) + 0.003 * np.sin(phase / 2.0), 8.0) == 1.0  # under the tolerance
+    short = time < 64.0
+    assert repeats_after(time[short], np.sin(phase[short]), 8.0) is None
+    long = time < 100.0  # 12.5 periods: not enough to say that it never repeats
+    assert repeats_after(time[long], np.sin(phase[long] / np.sqrt(2.0)), 8.0) is None
+
+
+def test_command_on_a_shipped_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The SDOF error falls as the ship gets stiffer; a map and the share of runs under a limit are made."""
+    command = [
+        "sweep", "slack", "--vary", "ship.stiffness=72 tonf_long/ft:216 tonf_long/ft:2",
+        "--vary", "ship.heave_amplitude=2 ft:4 ft:2",
+        "--set", "stop_time=100 s", "--set", "coupling.error_estimate=false", "--limit", "line.tension=170 kN",
+        "--out", str(tmp_path), "--workers", "2", "--progress", "none", "--json",
+    ]  # fmt: skip
+    assert cli.main(command) == 0
+    said = json.loads(capsys.readouterr().out)
+    with open(tmp_path / "table.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    error = [float(row["sdof:rms [1]"]) for row in rows]
+    assert error[0] > error[2] > 0.0
+    assert error[1] > error[3] > 0.0
+    assert {row["attractor [1]"] for row in rows} == {"1.0"}
+    tensions = [float(row["max:line.tension [N]"]) for row in rows]
+    assert said["limits"][0]["share"] == np.mean(np.array(tensions) <= 170e3)
+    assert 0.0 < said["limits"][0]["share"] < 1.0
+    page = (tmp_path / "report.html").read_text()
+    assert all(title in page for title in ("SDOF error, rms", "Attractors", "Operability"))
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--sobol"], "--samples"),
+        (["--limit", "line.tenson=1 kN"], "did you mean 'line.tension'"),
+        (["--limit", "line.tension=1 ft"], "--limit"),
+    ],
+)
+def test_command_lines_that_are_refused(
+    winch: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], said: str
+) -> None:
+    assert cli.main(arguments(winch, tmp_path / "out", *more)) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_case_must_be_chosen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["sweep", "sea_cliff", "--vary", "cradle.mass=20 t:30 t:2", "--out", str(tmp_path)]) == 2
+    assert "--case" in capsys.readouterr().err
+
+
+# ---- the cluster, and many runs -------------------------------------------------------------------------------------
+
+
+def test_cluster_gives_the_same_bits_and_loses_nothing_with_a_worker(winch: Path, whole: Path, tmp_path: Path) -> None:
+    """Two dask workers in processes of their own; one is killed after 10 runs, and started again by its nanny."""
+    distributed = pytest.importorskip("distributed")
+    killed: list[int] = []
+    with distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=":0", silence_logs=50) as cluster:
+
+        def kill() -> None:
+            await_lines(tmp_path / JOURNAL, 10)
+            killed.append(cluster.workers[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        code = cli.main(arguments(winch, tmp_path, "--dask", cluster.scheduler_address))
+        killer.join()
+        assert cluster.workers[0].pid != killed[0]
+    assert code == 4
+    for name in TABLES[:2]:
+        assert (tmp_path / name).read_bytes() == (whole / name).read_bytes(), name
+    assert len((tmp_path / JOURNAL).read_bytes().splitlines()) == RUNS + 1
+
+
+def test_cluster_that_does_not_answer(winch: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("towage.sweep_dask.ANSWER", 0.5)
+    sweep = Sweep(Scene.load(winch), grid(Scene.load(winch), ["winch.amplitude=1:3:3"]), flavour="python")
+    with pytest.raises(TowageError, match="no dask scheduler answers"):
+        sweep.run(tmp_path, dask="tcp://127.0.0.1:9")
+
+
+@pytest.mark.slow
+def test_ten_thousand_runs_with_faults_in_one_of_sixty(winch: Path, tmp_path: Path) -> None:
+    """Killed half-way and resumed, against the same sweep left alone; 1 % of the runs crash, hang or exit, 0.7 % fail."""
+    among = 300
+    more = ["--set", f"winch.among={among}"]
+    alone, killed = tmp_path / "alone", tmp_path / "killed"
+    assert cli.main(arguments(winch, alone, *more, runs=MANY)) == 4
+    command = [sys.executable, "-m", "towage", *arguments(winch, killed, *more, runs=MANY)]
+    with subprocess.Popen(command, env=ENVIRONMENT, start_new_session=True, stderr=subprocess.DEVNULL) as process:
+        await_lines(killed / JOURNAL, MANY // 2, 1800.0)
+        os.killpg(process.pid, signal.SIGKILL)
+    assert cli.main(arguments(winch, killed, *more, "--resume", runs=MANY)) == 4
+    for name in TABLES:
+        assert (killed / name).read_bytes() == (alone / name).read_bytes(), name
+    with np.load(alone / "table.npz") as table:
+        expected = [FAULTS.get(k % among, "done") for k in range(MANY)]
+        assert table["status"].tolist() == expected
