@@ -58,6 +58,7 @@ BENCHMARKS = (
         (Column("^over (Python|bare)", "less"), MOORDYN, Column("^ratio$", "more")), (Curves("^(CPU )?ms per", "^error"),),
         ("cradle",),
     ),
+    Benchmark("ensemble", "Ensembles", (Column("times faster$", "more"),)),
     Benchmark("native_scene", "A scene as one FMU", (Column("^times faster", "more"),), (Curves("^CPU ms", "^error"),)),
     Benchmark(
         "slender_body", "Slender body, beside scipy's integrators", (Column("^s$", "more", over="RK45"),),
