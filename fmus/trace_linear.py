@@ -60,12 +60,13 @@ class _LinearTrace:
         values = {v.name: p[i] for i, v in enumerate(self.unit.parameters)}
         return self.model.Parameters(**values | self.structure)
 
-    def _setup(self, field: str, size: Any) -> tuple[Setup, Sizes]:
-        """Adds the function p -> c of the set-up of ``size``; the set-up and where its matrices are in c."""
+    def _setup(self, field: str, size: Any, setup: Callable[[Any, Any, Any], Setup] | None = None) -> tuple[Setup, Sizes]:
+        """Adds the function p -> c of the set-up of ``size``; the set-up and where its matrices are in c. ``setup``: that of
+        another model for the parameters of this one."""
         p = ca.MX.sym("p", len(self.unit.parameters))
-        structure = dict(zip(size._fields, size))
         values = {v.name: p[i] for i, v in enumerate(self.unit.parameters)}
-        found: Setup = self.model.setup(self.model.Parameters(**values | structure), size, traces())
+        structure = {name: value for name, value in zip(size._fields, size) if name in values}
+        found: Setup = (setup or self.model.setup)(self.model.Parameters(**values | structure), size, traces())
         columns, layout = [], {"states": found.a[0].shape[0], "inputs": found.d.shape[1], "rows": found.d.shape[0]}
         layout["powers"] = len(found.a)
         offset = 0
@@ -207,9 +208,13 @@ class _LinearTrace:
 
     def _comparison(self, number: int, each: Comparison) -> str:
         field = f"linear_comparison_{number}"
-        _, layout = self._setup(field, each.size)
+        other = each.stand_in[0] if each.stand_in else None
+        _, layout = self._setup(field, each.size, other)
         fields = {"setup": entry(self.functions[field]), "layout": _layout(layout), "weight": repr(each.weight),
                   "truer": "true" if each.truer else "false", "target": self._place(each.target)}  # fmt: skip
+        if each.stand_in:
+            _, stand_in = self._setup(f"{field}_stand_in", each.stand_in[1], other)
+            fields |= {"stand_in": entry(self.functions[f"{field}_stand_in"]), "stand_in_layout": _layout(stand_in)}
         if each.when:
             self._add(f"{field}_when", [self.p], [each.when(self.parameters, OPS)])
             fields["when"] = entry(self.functions[f"{field}_when"])

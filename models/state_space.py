@@ -52,6 +52,7 @@ class Comparison:
     ``weight`` times the largest relative difference of the gains up to ``band`` is added to the constant ``target``.
     ``weight`` 1/3 with half the segments is Richardson's estimate for an error of second order. Relative to the gains of
     this model, or to those of the other if that is the truer one. ``when(p, ops)`` > 0: whether it is made at all.
+    ``stand_in``: the set-up of another model and its size, which stands for this one on both sides.
     """
 
     size: Any
@@ -59,6 +60,7 @@ class Comparison:
     target: str
     truer: bool = False
     when: Callable[[Any, Ops], Value] | None = None
+    stand_in: tuple[Callable[[Any, Any, Any], Setup], Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -85,6 +85,19 @@ double relative_error(const Complex *found, const Complex *reference, int inputs
     return worst;
 }
 
+/* Gains of a set-up over the band. */
+static Outcome gains_of(Instance *it, const Function *setup, const Layout *layout, const double *omega, int inputs,
+                        Complex *found)
+{
+    double *constants = malloc(sizeof(double) * layout->constants);
+    if (!constants) return NO_MEMORY;
+    evaluate(it, setup, (Arguments){{it->p}}, (Results){{constants}});
+    const StateSpace model = state_space(layout, constants);
+    const bool done = gains(&model, omega, inputs, found);
+    free(constants);
+    return done ? DONE : NO_MEMORY;
+}
+
 Outcome compare(Instance *it)
 {
     const Linear *l = it->unit->linear;
@@ -92,22 +105,20 @@ Outcome compare(Instance *it)
     if (!l->comparisons) return DONE;
     double omega[FREQUENCIES];
     band_frequencies(it->p[l->band], omega);
-    Complex *own = malloc(sizeof(Complex) * 2 * size), *other = own + size;
+    Complex *own = malloc(sizeof(Complex) * 3 * size), *other = own + size, *stand_in = other + size;
     const StateSpace model = state_space(&l->layout, it->c);
     Outcome outcome = own && gains(&model, omega, inputs, own) ? DONE : NO_MEMORY;
     for (const Comparison *each = l->comparison; outcome == DONE && each < l->comparison + l->comparisons; each++) {
-        double wanted = 1.0, *constants = malloc(sizeof(double) * each->layout.constants);
+        double wanted = 1.0;
         if (each->when.call) evaluate(it, &each->when, (Arguments){{it->p}}, (Results){{&wanted}});
-        if (!constants) outcome = NO_MEMORY;
-        else if (wanted > 0.0) {
-            evaluate(it, &each->setup, (Arguments){{it->p}}, (Results){{constants}});
-            const StateSpace variant = state_space(&each->layout, constants);
-            if (gains(&variant, omega, inputs, other))
-                it->c[each->target] += each->weight * (each->truer ? relative_error(own, other, inputs)
-                                                                   : relative_error(other, own, inputs));
-            else outcome = NO_MEMORY;
-        }
-        free(constants);
+        if (!(wanted > 0.0)) continue;
+        const Complex *one = each->stand_in.call ? stand_in : own;
+        outcome = gains_of(it, &each->setup, &each->layout, omega, inputs, other);
+        if (outcome == DONE && each->stand_in.call)
+            outcome = gains_of(it, &each->stand_in, &each->stand_in_layout, omega, inputs, stand_in);
+        if (outcome == DONE)
+            it->c[each->target] += each->weight * (each->truer ? relative_error(one, other, inputs)
+                                                               : relative_error(other, one, inputs));
     }
     free(own);
     return outcome;

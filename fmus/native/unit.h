@@ -49,6 +49,8 @@ typedef struct {
     double weight;
     bool truer;
     int target;     /* constant of the unit to which the error is added */
+    Function stand_in; /* (p) -> c of the model that stands for the unit in this comparison; no call: the unit itself */
+    Layout stand_in_layout;
 } Comparison;
 
 /* Up to which schedule modes are resolved: all of the first `modes` (Im >= 0, by magnitude) of the other set-up are met to

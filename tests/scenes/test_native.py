@@ -24,6 +24,9 @@ if not shutil.which("cc"):
 EXACT = 1e-9
 """Both flavours take the same steps with the same arithmetic but for the order of a few sums: some 1e-15 of a cradle, 1e-11
 of a cable whose matrices are conditioned like 1e5."""
+CHAOTIC = {"alvin": (40.0, 1e-5)}
+"""s; a chaotic scene is compared up to here only, and to ten times the tolerance of its error control,
+which makes other steps of other roundings: 1e-6 of the acceleration by then, the whole of the motion at 300 s."""
 QUICK = {"docking": "plastic capture", "sea_cliff": "8 s wave", "slack": None, "stiff_line": None}
 CASES = [
     *QUICK.items(),
@@ -52,21 +55,21 @@ def apart(master: Master) -> float:
 def test_verdict_and_values_are_those_of_python_units(name: str, case: str | None) -> None:
     masters = [prepared(name, case, chosen) for chosen in FLAVOURS[1:]]
     python, native = (master.run() for master in masters)
-    if name == "tow_two_units":  # its cable estimates the error of its segments without the body
-        assert native.verdict.reason.startswith("cable.margin_resolution")
-        native.verdict = python.verdict
     assert set(python.flavours.values()) == {"python"}
     assert "native" in native.flavours.values()
     assert (native.status, native.verdict.word) == (python.status, python.verdict.word)
-    assert [(e.unit, e.name, e.direction) for e in native.events] == [(e.unit, e.name, e.direction) for e in python.events]
+    end, limit = CHAOTIC.get(name, (np.inf, apart(masters[0])))
+    ours, theirs = ([(e.unit, e.name, e.direction) for e in r.events if e.time < end] for r in (native, python))
+    assert ours == theirs
+    compared = python.time < end
     differences: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for column, values in python.columns.items():
         if "margin" not in column:
-            pair = float(np.max(np.abs(native[column] - values))), float(np.max(np.abs(values)))
+            pair = float(np.max(np.abs(native[column] - values)[compared])), float(np.max(np.abs(values)))
             differences.setdefault((column.partition(".")[0], python.units[column]), []).append(pair)
     for quantity, pairs in differences.items():  # surge and heave of a cable are parts of one vector
         difference, scale = map(max, zip(*pairs))
-        assert difference <= apart(masters[0]) * scale, quantity
+        assert difference <= limit * scale, quantity
 
 
 def test_derivatives_by_function_equal_derivatives_by_variable(monkeypatch: pytest.MonkeyPatch) -> None:
