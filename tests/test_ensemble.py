@@ -110,14 +110,15 @@ def test_a_coarse_run_is_refused_by_its_sample() -> None:
 def test_refused_members_leave_the_others_alone() -> None:
     members = Ensemble(scene("slack", 5.0), {"cradle.mass": [1e4, -1.0, 2e4]}).run(samples=1)
     assert members.done.tolist() == [True, False, True]
+    assert members.refused.tolist() == [False, True, False]
     assert "cradle.mass = -1 kg: expected" in members.message[1]
     assert np.isnan(members.high["cradle.heave"]).tolist() == [False, True, False]
 
 
 def test_measures_are_columns_of_a_sweep() -> None:
     short = scene("slack", 20.0)
-    columns, message = measures(short, [AMPLITUDE], [[0.5], [1.5]], samples=0)
-    assert message == ("", "")
+    columns, members = measures(short, [AMPLITUDE], [[0.5], [1.5]], samples=0)
+    assert members.message == ("", "")
     margins = [name for name in columns if name.startswith("margin:")]
     shown = {f"margin:{name}" for name in short.checks.report_only}
     decisive = np.min([columns[name] for name in margins if name not in shown], axis=0)

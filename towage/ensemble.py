@@ -49,14 +49,15 @@ class Sample(NamedTuple):
 @dataclass(frozen=True)
 class Members:
     """What a run leaves behind, SI. ``low`` and ``high``: extremes over ``time``, one value a member; ``series``: (member,
-    time). NaN where ``message`` says that the member was refused, or why it ended early. ``steps``: mean number of steps that
-    a member tried, waiting lanes included."""
+    time). NaN where ``message`` says that the member was ``refused`` for its values, or why it ended early. ``steps``: mean
+    number of steps that a member tried, waiting lanes included."""
 
     time: Array
     low: dict[str, Array]
     high: dict[str, Array]
     series: dict[str, Array]
     message: tuple[str, ...]
+    refused: NDArray[np.bool_]
     samples: tuple[Sample, ...]
     steps: float
 
@@ -138,6 +139,7 @@ class Ensemble:
             {name: high[:, i] for i, name in enumerate(self.observed)},
             {name: kept[:, :, i] for i, name in enumerate(series)},
             tuple(message),
+            np.isin(np.arange(len(self)), which, invert=True),
             checked,
             found.steps / max(1, len(which)),
         )
@@ -192,7 +194,8 @@ class Ensemble:
             values = ", ".join(f"{name} = {v[worst.member]:.9g}" for name, v in self.varied.items())
             raise RunError(
                 f"member {worst.member} ({values}) differs from the FMU path by {worst.difference:.1e} of the largest value, "
-                f"more than {tolerance:.1e}: ask for more accuracy (now {accuracy:.1e}), or allow a larger tolerance",
+                f"more than {tolerance:.1e}: ask for more accuracy (now {accuracy:.1e}), allow a larger tolerance, or "
+                "run the members one by one (towage sweep --engine runs)",
                 variable=worst.variable, time=worst.time,
             )  # fmt: skip
         return checked
@@ -224,11 +227,11 @@ class Ensemble:
 
 
 def measures(scene: Scene, names: Sequence[str], values: ArrayLike, **options: int | float) -> tuple[
-    dict[str, Array], tuple[str, ...]
+    dict[str, Array], Members
 ]:  # fmt: skip
-    """Columns of a sweep's table (`sweep_row`) for members with ``values``, shape (members, names), and what went wrong with
-    each ("" where nothing did): ``min:`` and ``max:`` of what the scene records, ``margin:`` and ``worst_margin``. Comparisons
-    with a second run, and counts of events, an ensemble does not have. ``options`` are those of `Ensemble.run`."""
+    """Columns of a sweep's table (`sweep_row`) for members with ``values``, shape (members, names), and the members: ``min:``
+    and ``max:`` of what the scene records, ``margin:`` and ``worst_margin``. Comparisons with a second run, and counts of
+    events, an ensemble does not have. ``options`` are those of `Ensemble.run`."""
     table = np.asarray(values, np.float64).reshape(-1, len(names))
     ensemble = Ensemble(scene, dict(zip(names, table.T)))
     members = ensemble.run(**options)  # type: ignore[arg-type]
@@ -239,7 +242,7 @@ def measures(scene: Scene, names: Sequence[str], values: ArrayLike, **options: i
     for name in ensemble.observed:
         if name not in margins:
             found |= {f"min:{name}": members.low[name], f"max:{name}": members.high[name]}
-    return found, members.message
+    return found, members
 
 
 def _drawn(members: NDArray[np.int64], count: int, seed: int) -> NDArray[np.int64]:

@@ -45,7 +45,7 @@ def rows(scene: Scene | None, unit: Unit, varied: Mapping[str, Array]) -> Array:
             raise SceneError(f"{name!r} is no parameter of {unit.name}{suggest(name, variables)}")
         v = variables[name]
         if v.causality == "parameter" and v.min is not None and v.min == v.max:
-            raise SceneError(f"{name} is fixed in a composed scene, as matrices follow from it: run a sweep instead")
+            raise SceneError(f"{name} is fixed in a composed scene, as matrices follow from it: towage sweep --engine runs can vary it")
         table[:, places[name]] = values
         for other, factor in (_followers(scene, name, values) if scene else {}).items():
             if other not in varied:

@@ -30,6 +30,7 @@ def write_report(found: Table, scene: Scene, limits: Sequence[Limit], path: Path
         '<meta name="viewport" content="width=device-width, initial-scale=1"><meta name="generator" content="towage">\n'
         f"<title>{title}: sweep</title>\n<style>{STYLE}</style></head>\n<body><main>\n"
         f'<header><h1>{title}</h1><p class="title">{escape(found.design.text)}</p></header>\n'
+        f"{f'<p>{escape(found.note)}</p>' if found.note else ''}"
         f"<section>{_facts(found, limits)}{_shares(found)}</section>\n<section>{figures}</section>\n"
         f"{_gravest(found)}{_failures(found)}</main></body></html>\n"
     )
@@ -51,6 +52,7 @@ def text_summary(found: Table, limits: Sequence[Limit]) -> str:
     lines += [f"  run {k} {found.status[k]}: {found.message[k]}" for k in failures[:3]]
     if len(failures) > 3:
         lines.append(f"  and {len(failures) - 3} more, see the table")
+    lines += [f"  {found.note}"] if found.note else []
     return "\n".join(lines).replace("−", "-").replace("–", "-")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,8 @@ _EVENTS = "events:"
 @dataclass(frozen=True)
 class Table:
     """``status``, ``verdict`` and ``message`` of every run, and ``measures``: name to values, NaN where a run has none
-    (events: 0 in a run that was done without any). ``units``: unit of measure of each."""
+    (events: 0 in a run that was done without any). ``units``: unit of measure of each. ``note``: what a reader should know
+    of how the numbers were made."""
 
     title: str
     design: Design
@@ -33,6 +34,7 @@ class Table:
     message: tuple[str, ...]
     measures: dict[str, Array]
     units: dict[str, str]
+    note: str = ""
 
     @classmethod
     def of(cls, title: str, design: Design, rows: Mapping[int, Row], units: Mapping[str, str]) -> Table:
@@ -40,14 +42,28 @@ class Table:
         ordered = [rows[index] for index in range(len(design.points))]
         names = dict.fromkeys(name for row in ordered for name in row.measures)
         measures = {}
-        for name in sorted(names, key=_place):
+        for name in names:
             missing = [0.0 if name.startswith(_EVENTS) and row.status == "done" else np.nan for row in ordered]
             values = (row.measures.get(name, other) for row, other in zip(ordered, missing))
             measures[name] = np.fromiter(values, np.float64, len(ordered))
         words = zip(*((row.status, row.verdict, row.message) for row in ordered))
+        return cls.from_columns(title, design, words, measures, units)
+
+    @classmethod
+    def from_columns(
+        cls,
+        title: str,
+        design: Design,
+        words: Iterable[Iterable[str]],
+        measures: Mapping[str, Array],
+        units: Mapping[str, str],
+        note: str = "",
+    ) -> Table:
+        """From status, verdict and message of all runs (``words``), and their measures in any order."""
         status, verdict, message = (tuple(column) for column in words)
-        measured = {name: "rad" if name == "sdof:phase" else _unit(name, units) for name in measures}
-        return cls(title, design, status, verdict, message, measures, measured)
+        ordered = {name: measures[name] for name in sorted(measures, key=_place)}
+        measured = {name: "rad" if name == "sdof:phase" else _unit(name, units) for name in ordered}
+        return cls(title, design, status, verdict, message, ordered, measured, note)
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -60,7 +76,7 @@ class Table:
         metadata = {
             "title": self.title, "design": self.design.text, "targets": self.design.targets,
             "units": self.design.units, "shape": self.design.shape, "measures": list(self.measures),
-            "measure_units": list(self.units.values()),
+            "measure_units": list(self.units.values()), "note": self.note,
         }  # fmt: skip
         arrays: dict[str, Any] = {
             "index": np.arange(len(self.status)),

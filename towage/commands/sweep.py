@@ -33,7 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sobol", action="store_true", help="a scrambled Sobol sequence in place of a grid")
     parser.add_argument("--samples", metavar="N", type=_whole, help="points of the sequence; best a power of 2")
-    parser.add_argument("--seed", metavar="N", type=_seed, default=0, help="of the scrambling (default: 0)")
+    parser.add_argument(
+        "--seed", metavar="N", type=_seed, default=0, help="of the scrambling and the sample (default: 0)"
+    )
     parser.add_argument(
         "--limit",
         metavar="UNIT.VARIABLE=VALUE",
@@ -41,14 +43,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="report in what share of the runs a recorded variable stays under this value (may be repeated)",
     )
+    parser.add_argument(
+        "--engine",
+        choices=("runs", "ensemble"),
+        default="runs",
+        help="runs of the master, or all points as one ensemble in compiled code, without comparisons with second runs, "
+        "for scenes of shipped units that compose (default: runs)",
+    )
+    parser.add_argument(
+        "--sample",
+        metavar="N",
+        type=_whole,
+        help="points of an ensemble, drawn with --seed, that are computed again by the FMU path (default: 3)",
+    )
     parser.add_argument("--out", metavar="DIR", type=Path, help="where the files go (default: out/<scene>_sweep)")
-    parser.add_argument("--workers", metavar="N", type=_whole, help="processes (default: one a processor)")
+    parser.add_argument("--workers", metavar="N", type=_whole, help="processes or threads (default: one a processor)")
     parser.add_argument("--dask", metavar="ADDRESS", help="run on the dask.distributed cluster with this scheduler")
     parser.add_argument("--resume", action="store_true", help="do what is missing of the sweep in --out")
     parser.add_argument("--json", action="store_true", help="print the counts as one JSON document")
     parser.add_argument("--progress", choices=("auto", "json", "none"), default="auto", help="as of towage run")
     parser.epilog = (
-        "Writes journal.jsonl (a line a finished run, from which --resume goes on), table.npz, table.csv, report.html.\n"
+        "Writes journal.jsonl (a line a finished run, from which --resume goes on; not of an ensemble), table.npz, "
+        "table.csv, report.html.\n"
         "Returns 4 if some runs failed, crashed or hung; these have their reason in the table.\n\n"
         "example:\n  towage sweep sea_cliff --case '8 s wave' --vary 'cradle.mass=20 long_ton:60 long_ton:9' "
         "--vary 'line.stiffness=0.5 tonf_long/ft:2 tonf_long/ft:9'\n"
@@ -67,8 +83,10 @@ def execute(arguments: argparse.Namespace) -> int:
     if len(names) > 1:
         raise SceneError(f"a sweep is over one case: choose one of {names} with --case", key="--case")
     scene = loaded.case(names[0]) if names[0] else loaded
+    _refuse_options(arguments)
     design = _design(arguments, scene)
     sweep = Sweep(scene, design, arguments.fmus, arguments.flavour, arguments.timeout)
+    by_runs = arguments.engine == "runs"
     recorded = sweep.measures()
     limits = [_limit(text, recorded) for text in arguments.limit]
     out = arguments.out or Path("out", f"{scene.file.stem if scene.file else 'scene'}_sweep")
@@ -78,9 +96,10 @@ def execute(arguments: argparse.Namespace) -> int:
         raise TowageError(f"cannot make the directory {out}: {error.strerror}") from error
     try:
         with common.terminable():
-            table = _run(sweep, out, arguments)
+            table = (_run if by_runs else _run_ensemble)(sweep, out, arguments)
     except KeyboardInterrupt:
-        complain(f"interrupted; finished runs are kept in {out}: continue with --resume")
+        kept = f"finished runs are kept in {out}: continue with --resume" if by_runs else "an ensemble keeps no part"
+        complain(f"interrupted; {kept}")
         return INTERRUPTED
     from ..sweep_report import text_summary, write_report
 
@@ -119,6 +138,33 @@ def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
             bars[0].update(ended, f"{failed} not done" if failed else "")
 
         return sweep.run(out, arguments.resume, arguments.workers, arguments.dask, hear)
+
+
+def _run_ensemble(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
+    from ..errors import SceneError
+    from ..sweep import JOURNAL
+    from ..sweep_ensemble import SAMPLE, by_ensemble
+
+    if (out / JOURNAL).exists():
+        raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
+    sample = arguments.sample or SAMPLE
+    return by_ensemble(sweep.scene, sweep.design, sweep.measures(), sample, arguments.seed, arguments.workers)
+
+
+def _refuse_options(arguments: argparse.Namespace) -> None:
+    """Options that the engine would ignore. Raises `SceneError`."""
+    from ..errors import SceneError
+
+    if arguments.engine == "runs":
+        if arguments.sample is not None:
+            raise SceneError("only an ensemble has a sample: add --engine ensemble", key="--sample")
+        return
+    flavour = arguments.flavour != "auto"
+    given = {"--resume": arguments.resume, "--dask": arguments.dask, "--fmus": arguments.fmus, "--flavour": flavour}
+    for option in (option for option, value in given.items() if value):
+        raise SceneError(
+            "an ensemble runs here, at once, and without FMUs: leave this out, or take --engine runs", key=option
+        )
 
 
 def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
