@@ -111,7 +111,7 @@ def library(sources: Mapping[str, bytes], name: str, target: Platform) -> bytes:
         flags += [f"-Wl,-install_name,@rpath/{output}"]  # zig's default is the path of the output
     elif target.suffix == ".so":
         flags += ["-Wl,-z,defs"]  # an undefined symbol is an error here, not at the user's
-    data = _run([*compiler(target), *flags, "-o", output, *objects, "-lm"], objects, output)
+    data = output_of([*compiler(target), *flags, "-o", output, *objects, "-lm"], objects, output)
     return timeless(data) if target.suffix == ".dll" else data
 
 
@@ -128,10 +128,10 @@ def timeless(library: bytes) -> bytes:
 def compiled(target: Platform, file: str, text: bytes, headers: tuple[tuple[str, bytes], ...]) -> bytes:
     """The object file of one source; those of the runtime serve all units of a build."""
     output = file.removesuffix(".c") + ".o"
-    return _run([*compiler(target), *FLAGS, "-c", file, "-o", output], {file: text, **dict(headers)}, output)
+    return output_of([*compiler(target), *FLAGS, "-c", file, "-o", output], {file: text, **dict(headers)}, output)
 
 
-def _run(command: Sequence[str], files: Mapping[str, bytes], output: str) -> bytes:
+def output_of(command: Sequence[str], files: Mapping[str, bytes], output: str) -> bytes:
     """What the command makes of ``files``. Raises `CompileError`."""
     with tempfile.TemporaryDirectory() as directory:
         for name, content in files.items():

@@ -21,8 +21,7 @@ import casadi as ca
 from scipy.integrate import DOP853
 
 from ..models.integrate import Tableau
-from .compiler import _run as output_of
-from .compiler import compiler, host
+from .compiler import compiler, host, output_of
 from .trace import NotNative, Traced, column, trace
 from .unit import Unit
 

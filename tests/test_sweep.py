@@ -10,23 +10,29 @@ import csv
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
 from towage import cli
+from towage.ensemble import Ensemble
 from towage.errors import SceneError, TowageError
+from towage.fmus.compiler import CompileError, compiler, host
 from towage.master import Master
 from towage.scene import Scene
 from towage.sweep import JOURNAL, Sweep
 from towage.sweep_attractor import APERIODIC, repeats_after
 from towage.sweep_design import grid, parse_vary, sobol, with_values
+from towage.sweep_ensemble import by_ensemble
 from towage.sweep_journal import Journal, JournalError
 from towage.sweep_row import Row
 from towage.sweep_table import Table
@@ -435,6 +441,156 @@ def test_command_lines_that_are_refused(
 def test_case_must_be_chosen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["sweep", "sea_cliff", "--vary", "cradle.mass=20 t:30 t:2", "--out", str(tmp_path)]) == 2
     assert "--case" in capsys.readouterr().err
+
+
+# ---- by an ensemble -------------------------------------------------------------------------------------------------
+
+
+MASSES = ["slack", "--vary", "cradle.mass=30 t:40 t:2"]
+
+
+def short(out: Path, engine: str, *more: str) -> list[str]:
+    """Six points of the scene whose line goes slack, 40 s each; two of them slack."""
+    return [
+        "sweep", "slack", "--vary", "ship.heave_amplitude=2 ft:6 ft:3",
+        "--vary", "cradle.weight_in_water=6 tonf_long:12 tonf_long:2", "--set", "stop_time=40 s",
+        "--set", "checks.sdof.settle=20 s", "--limit", "line.tension=45 kip", "--engine", engine, "--out", str(out),
+        "--progress", "none", *more,
+    ]  # fmt: skip
+
+
+def columns(out: Path) -> tuple[dict[str, np.ndarray], dict[str, list[str]], str]:
+    """(measures, words, note) of the table in ``out``."""
+    with np.load(out / "table.npz") as table:
+        metadata = json.loads(table["metadata"].tobytes())
+        words = {name: table[name].tolist() for name in ("status", "verdict", "message")}
+        return dict(zip(metadata["measures"], table["measures"].T, strict=True)), words, metadata["note"]
+
+
+@pytest.fixture
+def ensembles() -> None:
+    """Skips where there is nothing to trace and compile with."""
+    pytest.importorskip("casadi")
+    try:
+        compiler(host())
+    except CompileError as reason:
+        pytest.skip(str(reason))
+
+
+@pytest.mark.usefixtures("ensembles")
+def test_both_engines_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for engine in ("runs", "ensemble"):
+        assert cli.main(short(tmp_path / engine, engine, "--json")) == 0
+    first, second = (said.strip() + "\n}" for said in capsys.readouterr().out.split("\n}\n")[:2])
+    runs, words, _ = columns(tmp_path / "runs")
+    found, judged, note = columns(tmp_path / "ensemble")
+    absent = {name for name in runs if name not in found}
+    assert {name.partition(":")[0] for name in absent} == {"sdof", "events", "coupling_error"}
+    assert set(found) <= set(runs)
+    # the scheme's own estimate is of the largest value of what is coupled; a margin or an acceleration that follows from
+    # it may be some times as sensitive (measured: 1.5 times)
+    tolerance = 5.0 * runs["coupling_error"].max()
+    assert 1e-7 < tolerance < 1e-5
+    for name, values in found.items():
+        largest = np.abs(runs[name]).max()
+        np.testing.assert_allclose(values, runs[name], rtol=0.0, atol=tolerance * largest, err_msg=name)
+    assert judged["status"] == words["status"]
+    assert set(judged["verdict"]) == {"not judged"}  # no deciding margin is negative, and the comparison is not made
+    assert "3 of its members" in note
+    assert json.loads(first)["limits"] == json.loads(second)["limits"]
+    page = (tmp_path / "ensemble" / "report.html").read_text()
+    shown = ("worst margin", "largest line.tension", "Operability", "SDOF comparison: left out")
+    assert all(title in page for title in shown)
+    assert "SDOF error" not in page
+
+
+@pytest.mark.usefixtures("ensembles")
+def test_points_that_are_refused_or_invalid_are_told_apart() -> None:
+    """A mass below zero is refused; without its list of margins for show, the slack line makes its points invalid."""
+    slack = Scene.load("slack")
+    bare = msgspec.structs.replace(slack.checks, sdof=None, report_only=("ship.margin_sdof",))
+    scene = msgspec.structs.replace(slack, stop_time=40.0, checks=bare)
+    amplitudes = grid(scene, ["ship.heave_amplitude=2 ft:6 ft:2", "cradle.mass=30 t:40 t:2"])
+    points = amplitudes.points.copy()
+    points[1, 1] = -1.0
+    table = by_ensemble(scene, replace(amplitudes, points=points), {}, sample=1)
+    assert table.status == ("done", "refused", "done", "done")
+    assert table.verdict == ("valid", "not judged", "invalid", "invalid")
+    assert table.message[1].startswith("cradle.mass = -1 kg: expected")
+    assert table.message[2] == "line.margin_taut is negative"
+    assert np.isnan(table.measures["max:line.tension"]).tolist() == [False, True, False, False]
+
+
+@pytest.mark.usefixtures("ensembles")
+def test_an_ensemble_of_a_case(tmp_path: Path) -> None:
+    """The ship's own heave, which nothing acts on, is that of the case: its amplitude, its period."""
+    command = [
+        "sweep", "sea_cliff", "--case", "8 s wave", "--vary", "ship.heave_amplitude=1:2:2", "--set", "ship.heave_period=5",
+        "--set", "ship.ramp_time=0", "--set", "stop_time=60 s", "--set", "checks.sdof.settle=30 s", "--engine", "ensemble",
+        "--sample", "1", "--out", str(tmp_path), "--progress", "none",
+    ]  # fmt: skip
+    assert cli.main(command) == 0
+    found, words, _ = columns(tmp_path)
+    assert words["status"] == ["done", "done"]
+    # samples 0.25 s apart or closer miss a crest by 1 - cos(2 pi 0.125/5) = 1.3 % at most
+    np.testing.assert_allclose(found["max:ship.free_heave"], [1.0, 2.0], rtol=0.013)
+
+
+@pytest.mark.usefixtures("ensembles")
+def test_a_sample_that_differs_fails_the_sweep(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reference = Ensemble.reference
+    monkeypatch.setattr(Ensemble, "reference", lambda *a: reference(*a) * (1.0 + 1e-6))
+    assert cli.main(short(tmp_path, "ensemble", "--sample", "2", "--seed", "3")) == 3
+    said = capsys.readouterr().err
+    assert re.search(r"member \d \(ship.heave_amplitude = .*differs from the FMU path by 1.0e-06", said), said
+    assert not (tmp_path / "table.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["slack", "--vary", "coupling.step=0.1:0.2:2"], "coupling.step is of the master"),
+        ([*MASSES, "--resume"], "--resume: an ensemble runs here"),
+        ([*MASSES, "--flavour", "python"], "--flavour: an ensemble runs here"),
+        ([*MASSES, "--engine", "runs", "--sample", "2"], "--sample: only an ensemble"),
+        (["slender_stable", "--case", "20 t craft", "--vary", "craft.speed_start=3:4:2"], "body cannot be composed"),
+    ],
+)
+def test_what_no_ensemble_can_do_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], said: str
+) -> None:
+    assert cli.main(["sweep", "--engine", "ensemble", "--out", str(tmp_path), "--progress", "none", *more]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("ensembles")
+def test_without_a_compiler_the_runs_are_offered(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def missing(text: object) -> None:
+        raise CompileError("no C compiler on this machine")
+
+    monkeypatch.setattr("towage.ensemble_engine._library", missing)
+    assert cli.main(short(tmp_path, "ensemble")) == 2
+    assert "no C compiler on this machine; or take --engine runs" in capsys.readouterr().err
+
+
+def test_without_casadi_the_runs_are_offered(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "towage.fmus.ensemble", None)  # as if what it imports were not there
+    assert cli.main(short(tmp_path, "ensemble")) == 2
+    said = capsys.readouterr().err
+    assert "pip install 'towage[native]'; or take --engine runs" in said
+
+
+@pytest.mark.usefixtures("ensembles")
+def test_tables_of_runs_are_not_lost_to_an_ensemble(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / JOURNAL).write_text("{}\n")
+    assert cli.main(short(tmp_path, "ensemble")) == 2
+    assert "holds a sweep by runs" in capsys.readouterr().err
 
 
 # ---- the cluster, and many runs -------------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from .ensemble_engine import DONE, Engine
 from .ensemble_rows import columns, composed, refusals, rows
 from .errors import RunError, SceneError
 from .fmus.instance import CallError, Instance, StepError
-from .fmus.unit import Unit
+from .fmus.unit import BuildError, Unit
 from .scene import Scene, suggest
 from .store import locator
 
@@ -79,7 +79,10 @@ class Ensemble:
     def __init__(
         self, scene: Scene | Unit, varied: Mapping[str, ArrayLike], observed: Sequence[str] | None = None
     ) -> None:
-        from .fmus.ensemble import text
+        try:
+            from .fmus.ensemble import text
+        except ImportError as error:
+            raise BuildError(f"an ensemble is traced with casadi ({error}): pip install 'towage[native]'") from error
 
         self.scene = scene if isinstance(scene, Scene) else None
         self.unit = unit = scene if isinstance(scene, Unit) else composed(scene)

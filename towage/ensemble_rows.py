@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec.structs import replace
@@ -10,10 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .compose import unit_of
 from .errors import SceneError
-from .fmus.trace import Traced
 from .fmus.unit import Unit
 from .scene import Case, Scene, suggest
 from .store import locator
+
+if TYPE_CHECKING:
+    from .fmus.trace import Traced
 
 Array = NDArray[np.float64]
 
@@ -45,7 +48,9 @@ def rows(scene: Scene | None, unit: Unit, varied: Mapping[str, Array]) -> Array:
             raise SceneError(f"{name!r} is no parameter of {unit.name}{suggest(name, variables)}")
         v = variables[name]
         if v.causality == "parameter" and v.min is not None and v.min == v.max:
-            raise SceneError(f"{name} is fixed in a composed scene, as matrices follow from it: towage sweep --engine runs can vary it")
+            raise SceneError(
+                f"{name} is fixed in a composed scene, as matrices follow from it: vary it by towage sweep --engine runs"
+            )
         table[:, places[name]] = values
         for other, factor in (_followers(scene, name, values) if scene else {}).items():
             if other not in varied:

@@ -2,11 +2,12 @@
 
     from towage.sweep_ensemble import by_ensemble
 
-    table = by_ensemble(scene, grid(scene, ["ship.heave_amplitude=2 ft:6 ft:10001"]))
+    sweep = Sweep(scene, grid(scene, ["ship.heave_amplitude=2 ft:6 ft:10001"]))
+    table = by_ensemble(scene, sweep.design, sweep.measures())
 
 The table has the columns of `sweep_row` that an ensemble can give: extremes and margins. It has no comparison with a second
-run, and so no SDOF verdict; no counts of events, attractors or estimates of the coupling error. Differences from runs of the
-master are the master's coupling error, and margins that its checks before a run refuse are not refused here.
+run, and so no SDOF verdict; no counts of events, attractors or estimates of the coupling error. Differences from runs of
+the master are its coupling error; what it refuses for its step alone is not refused here.
 """
 
 from __future__ import annotations

@@ -141,6 +141,8 @@ def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
 
 
 def _run_ensemble(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
+    from msgspec.structs import replace
+
     from ..errors import SceneError
     from ..sweep import JOURNAL
     from ..sweep_ensemble import SAMPLE, by_ensemble
@@ -148,7 +150,8 @@ def _run_ensemble(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Tab
     if (out / JOURNAL).exists():
         raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
     sample = arguments.sample or SAMPLE
-    return by_ensemble(sweep.scene, sweep.design, sweep.measures(), sample, arguments.seed, arguments.workers)
+    scene = replace(sweep.scene, cases=())  # of which one is chosen
+    return by_ensemble(scene, sweep.design, sweep.measures(), sample, arguments.seed, arguments.workers)
 
 
 def _refuse_options(arguments: argparse.Namespace) -> None:
