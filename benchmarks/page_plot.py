@@ -28,8 +28,10 @@ def draw(panels: list[tuple[str, Series]], path: Path) -> None:
             for method, points in series.items():
                 style = methods.index(method)
                 cost, error = zip(*points)
+                # a method refined in one direction makes a curve; variants of a method are points
+                line = "-" if list(error) == sorted(error, reverse=True) else ""
                 axis.loglog(
-                    cost, error, color=f"C{style % 10}", marker=MARKERS[style % len(MARKERS)], ms=4, lw=0.9, label=method
+                    cost, error, color=f"C{style % 10}", marker=MARKERS[style % len(MARKERS)], ms=4, lw=0.9, ls=line, label=method
                 )
             axis.set(title=title, xlabel="cost", ylabel="error")
             axis.xaxis.set_major_formatter(_plain)
