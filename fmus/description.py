@@ -57,18 +57,17 @@ def native_model_description(interface: Interface, identifier: str, guid: str, s
     return _document(root, interface)
 
 
+def root_element(unit: Unit, version: str, **token: str) -> Element:
+    """What both versions of FMI begin with. ``token``: guid or instantiationToken."""
+    attributes = {"fmiVersion": version, "modelName": unit.name, **token, "description": unit.description, "license": "MIT",
+                  "generationTool": GENERATION_TOOL, "variableNamingConvention": "structured"}  # fmt: skip
+    return Element("fmiModelDescription", attributes)
+
+
 def _root(unit: Unit, guid: str, indicators: int) -> Element:
-    return Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=unit.name,
-        guid=guid,
-        description=unit.description,
-        license="MIT",
-        generationTool=GENERATION_TOOL,
-        variableNamingConvention="structured",
-        numberOfEventIndicators=str(indicators),
-    )
+    root = root_element(unit, "2.0", guid=guid)
+    root.set("numberOfEventIndicators", str(indicators))
+    return root
 
 
 def _document(root: Element, interface: Interface) -> bytes:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from .arrays import array_name, array_of, lengths
-from .description import GENERATION_TOOL, document, number, preamble
+from .description import document, number, preamble, root_element
 from .interface import Interface
 from .unit import Variable
 
@@ -39,16 +39,7 @@ TIME = Variable("time", "s", "Simulation time", causality="independent", variabi
 def model_description3(interface: Interface, identifier: str, token: str) -> bytes:
     """The XML document."""
     unit, variables = interface.unit, interface.variables
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=unit.name,
-        instantiationToken=token,
-        description=unit.description,
-        license="MIT",
-        generationTool=GENERATION_TOOL,
-        variableNamingConvention="structured",
-    )
+    root = root_element(unit, "3.0", instantiationToken=token)
     SubElement(root, "ModelExchange", {"modelIdentifier": identifier, **MODEL_EXCHANGE})
     SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **CO_SIMULATION})
     preamble(root, (*variables, TIME))

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import casadi as ca
-from scipy.integrate import DOP853
 
 from ..models.integrate import Tableau
+from ..models.system import DORMAND_PRINCE_8
 from .compiler import compiler, host, output_of
 from .trace import NotNative, Traced, column, trace
 from .unit import Unit
@@ -32,16 +32,8 @@ FLAGS = (
 )  # fmt: skip
 MASK, NUMBER = "I", "V"
 
-METHOD = Tableau(
-    # P. J. Prince, J. R. Dormand, "High order embedded Runge-Kutta formulae", J. Comp. Appl. Math. 7 (1981) 67-75, with the
-    # error estimate of E. Hairer's DOP853. Outputs are wanted so often that one step of order 8 reaches from one to the next.
-    name="DOP853",
-    c=tuple(DOP853.C.tolist()),
-    a=tuple(tuple(row[:k]) for k, row in enumerate(DOP853.A.tolist())),
-    b=tuple(DOP853.B.tolist()),
-    error=(tuple(DOP853.E5.tolist()), tuple(DOP853.E3.tolist())),
-    order=8,
-)
+METHOD = DORMAND_PRINCE_8
+"""Outputs are wanted so often that one step of order 8 reaches from one to the next."""
 
 UNARY = {
     ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "{0} + {0}", ca.OP_INV: "1.0 / {0}",

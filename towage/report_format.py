@@ -103,12 +103,12 @@ def figure(svg: str, title: str, caption: str, half: bool = False) -> Markup:
     return Markup(f'<figure{kind}>{head}<div class="scroll">{svg}</div>{foot}</figure>\n')
 
 
-def page(title: str, subtitle: str, body: str) -> str:
-    """A whole page."""
+def page(title: str, subtitle: str, body: str, kind: str = "") -> str:
+    """A whole page. ``kind`` follows the title in the browser's tab."""
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><meta name="generator" content="towage">\n'
-        f"<title>{escape(title)}</title>\n<style>{STYLE}</style></head>\n<body><main>\n"
+        f"<title>{escape(title)}{kind and f': {kind}'}</title>\n<style>{STYLE}</style></head>\n<body><main>\n"
         f'<header><h1>{escape(title)}</h1><p class="title">{escape(subtitle)}</p></header>\n{body}</main></body></html>\n'
     )
 

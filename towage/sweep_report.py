@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .files import atomic_write
-from .report_format import STYLE, Markup, badge, details, figure, number, percent, quantity, table
+from .report_format import Markup, badge, details, figure, number, page, percent, quantity, table
 from .scene import Scene
 from .sweep_plots import Quantity, attractor_map, operability, over_many, over_one, over_two
 from .sweep_table import Table
@@ -24,18 +24,13 @@ Limit = tuple[str, float]
 def write_report(found: Table, scene: Scene, limits: Sequence[Limit], path: Path) -> Path:
     """Writes the report to ``path`` and returns it. Raises `TowageError` if it cannot be written."""
     figures = "".join(_figures(found, _quantities(found, scene, limits), limits))
-    title = escape(found.title)
-    page = (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1"><meta name="generator" content="towage">\n'
-        f"<title>{title}: sweep</title>\n<style>{STYLE}</style></head>\n<body><main>\n"
-        f'<header><h1>{title}</h1><p class="title">{escape(found.design.text)}</p></header>\n'
+    body = (
         f"{f'<p>{escape(found.note)}</p>' if found.note else ''}"
         f"<section>{_facts(found, limits)}{_shares(found)}</section>\n<section>{figures}</section>\n"
-        f"{_gravest(found)}{_failures(found)}</main></body></html>\n"
+        f"{_gravest(found)}{_failures(found)}"
     )
     with atomic_write(path) as stream:
-        stream.write(page.encode(errors="backslashreplace"))
+        stream.write(page(found.title, found.design.text, body, "sweep").encode(errors="backslashreplace"))
     return path
 
 
