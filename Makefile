@@ -33,7 +33,7 @@ wheel: $(VENV)/installed                   ## a wheel with scenes and Python FMU
 	rm -rf build/wheel
 	mkdir -p build/wheel
 	cp -RL towage pyproject.toml README.md LICENSE build/wheel
-	$(BIN)/python build_fmus.py --out build/wheel/towage/units
+	$(BIN)/python build_fmus.py --out build/wheel/towage/shipped
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist build/wheel
 
 $(VENV)/created:
@@ -61,7 +61,7 @@ $(VENV)/installed-docs: $(VENV)/created pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
 	touch $@ $(VENV)/installed
 
-dist/built: $(VENV)/installed build_fmus.py $(wildcard models/*.py fmus/*.py)
+dist/built: $(VENV)/installed build_fmus.py $(shell find models fmus -name "*.py")
 	$(BIN)/python build_fmus.py
 	touch $@
 

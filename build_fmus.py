@@ -7,10 +7,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from towage.compose import scene_unit
 from towage.errors import SceneError
 from towage.fmus import UNITS
-from towage.fmus.unit import BuildError, load
+from towage.fmus.declare.unit import BuildError, load
+from towage.scene.compose import scene_unit
 
 Build = Callable[[str], tuple[Path, bool]]
 
@@ -67,12 +67,12 @@ def structures(given: list[str]) -> dict[str, dict[str, float]]:
 def builder(arguments: argparse.Namespace) -> Build:
     """What builds one unit. Raises ``SystemExit`` where CasADi is missing."""
     if arguments.flavour == "python":
-        from towage.fmus import python_fmu
+        from towage.fmus.python import build as python_fmu
 
         out = arguments.out or Path("dist")
         return lambda name: python_fmu.build(name, out)
     try:
-        from towage.fmus import native_fmu
+        from towage.fmus.native import build as native_fmu
     except ModuleNotFoundError as error:
         if error.name != "casadi":
             raise

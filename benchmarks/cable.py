@@ -21,14 +21,14 @@ import moordyn_tow
 import numpy as np
 from moordyn_tow import FREQUENCY, SPEED, harmonic, tow_case
 
-from towage.master import Master
-from towage.models.cable_linear import LinearModel, tow_elastic
-from towage.models.cable_nonlinear import nonlinear_cable
-from towage.models.cable_perturbation import Excitation
-from towage.models.cable_reduction import reduce
-from towage.models.cable_response import respond
-from towage.models.cable_step import exact_step
-from towage.scene import Scene
+from towage.master.master import Master
+from towage.models.cable.lumped.linear import LinearModel, tow_elastic
+from towage.models.cable.lumped.nonlinear import nonlinear_cable
+from towage.models.cable.lumped.reduction import reduce
+from towage.models.cable.steady.perturbation import Excitation
+from towage.models.cable.steady.response import respond
+from towage.models.numeric.exact_step import exact_step
+from towage.scene.scene import Scene
 
 AMPLITUDE = 0.2
 SCENE = """title = "benchmark"

@@ -18,19 +18,19 @@ from pathlib import Path
 import numpy as np
 from msgspec.structs import replace
 
-from towage import checks
-from towage.fmus.instance import Instance
-from towage.fmus.unit import load
-from towage.master import Master
-from towage.models import orbits
-from towage.monolithic import dimensionless_scene, solve
-from towage.recorder import Recorder
-from towage.scene import Scene
-from towage.schemes import jacobi
-from towage.simulation import Settings, simulate
-from towage.store import locator
-from towage.system import System
-from towage.verify_cradle import dimensionless_system
+from towage.checks import step as checks
+from towage.fmus.declare.unit import load
+from towage.fmus.python.instance import Instance
+from towage.master.master import Master
+from towage.master.recorder import Recorder
+from towage.master.schemes import jacobi
+from towage.master.simulation import Settings, simulate
+from towage.master.system import System
+from towage.models.heave import orbits
+from towage.scene.scene import Scene
+from towage.units.store import locator
+from towage.verify.cradle import dimensionless_system
+from towage.verify.monolithic import dimensionless_scene, solve
 
 SCHEMES = ("hermite", "extrapolate", "implicit", "jacobi", "gauss-seidel")
 STEPS = (16, 32, 64, 128)
@@ -128,7 +128,7 @@ def growth(scheme: str, ratio: float, product: float, steps: int = 400) -> float
 
 
 def stability() -> None:
-    """Where the loop begins to grow by itself: what the limits of ``towage/checks.py`` rest on."""
+    """Where the loop begins to grow by itself: what the limits of ``towage/checks/step.py`` rest on."""
     products = (0.5, 0.8, 1.2, 1.6, 1.9, 2.4)
     print(
         "\n## Stability of the two-way loop\n\nGrowth of the energy per radian of the undamped loop (negative: damped).\n"

@@ -18,9 +18,9 @@ import time
 import numpy as np
 from msgspec.structs import replace
 
-from towage.ensemble import Ensemble
-from towage.master import Master
-from towage.scene import Scene
+from towage.ensemble.ensemble import Ensemble
+from towage.master.master import Master
+from towage.scene.scene import Scene
 
 RUNS, MEMBERS, SAMPLES, SEED = 3, 1024, 2, 0
 SCENES = ("sea_cliff", "slack", "docking")

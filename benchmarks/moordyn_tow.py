@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.models.cable_case import Body, Cable, Tow
-from towage.models.cable_loading import cross_flow
+from towage.models.cable.case import Body, Cable, Tow
+from towage.models.cable.loading import cross_flow
 
 SPEED, DENSITY, GRAVITY, DIAMETER = 3.0867, 1025.0, 9.80665, 0.015
 MASS, LENGTH, STIFFNESS, DRAG, FRICTION = 0.83, 120.0, 4e6, 1.2, 0.05

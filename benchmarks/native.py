@@ -23,13 +23,13 @@ from fmpy.fmi2 import FMU2Slave
 from msgspec.structs import replace
 from native_host import ROOT, Native, c_host, compiled, output
 
-from towage import fmu
-from towage.archive import extract, read_description
-from towage.description import Description
-from towage.flavour import Flavour
-from towage.fmus import python_fmu
-from towage.master import Master
-from towage.scene import Scene
+from towage.fmus.python import build as python_fmu
+from towage.master.master import Master
+from towage.scene.flavour import Flavour
+from towage.scene.scene import Scene
+from towage.units import fmu
+from towage.units.archive import extract, read_description
+from towage.units.description import Description
 
 STEP = 0.01
 BATCH = 5

@@ -6,8 +6,9 @@ import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
-from towage.archive import extract, read_description
-from towage.fmus import compiler, native_fmu
+from towage.fmus.native import build as native_fmu
+from towage.fmus.native import compiler
+from towage.units.archive import extract, read_description
 
 ROOT = Path(__file__).resolve().parent.parent
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")

@@ -22,14 +22,14 @@ from fmpy.fmi2 import FMU2Slave
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from towage.compose import unit_of
-from towage.flavour import Flavour
-from towage.fmus.native_fmu import build_unit
-from towage.master import Master
-from towage.monolithic import solve
-from towage.resolve import ResolvedScene
-from towage.scene import Scene
-from towage.store import locator
+from towage.fmus.native.build import build_unit
+from towage.master.master import Master
+from towage.scene.compose import unit_of
+from towage.scene.flavour import Flavour
+from towage.scene.resolve import ResolvedScene
+from towage.scene.scene import Scene
+from towage.units.store import locator
+from towage.verify.monolithic import solve
 
 RUNS = 3
 SCENES = {"sea_cliff": "8 s wave", "slack": None, "docking": "plastic capture", "stiff_line": None, "light_body": None}

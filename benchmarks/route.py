@@ -22,11 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from towage import verify_sea
-from towage.models import heave_response, route_graph, route_shooting, ship_in_sea
-from towage.models.ops import FLOATS
-from towage.models.route import Problem, RouteError, plan
-from towage.models.route_polar import FOOT, KNOT
+from towage.models.numeric.ops import FLOATS
+from towage.models.route import graph as route_graph
+from towage.models.route import shooting as route_shooting
+from towage.models.route.plan import Problem, RouteError, plan
+from towage.models.route.polar import FOOT, KNOT
+from towage.models.sea import heave_response, ship_in_sea
+from towage.verify import sea as verify_sea
 
 HOUR, MILE = 3600.0, 1852.0
 STORMS = ("P7 static", "P7b static mild", "P8 moving")

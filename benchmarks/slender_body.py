@@ -20,12 +20,14 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eig
 
 from towage.fmus.slender_body import UNIT
-from towage.models import slender_body, slender_plant, slender_series
-from towage.models.matrix_ops import numbers
-from towage.models.ops import FLOATS
-from towage.models.slender_coefficients import Body, coefficients
-from towage.models.slender_modes import matrices, roots, spectrum
-from towage.models.slender_step import fast_mode_damping
+from towage.models.numeric.matrix_ops import numbers
+from towage.models.numeric.ops import FLOATS
+from towage.models.slender import body as slender_body
+from towage.models.slender import plant as slender_plant
+from towage.models.slender import series as slender_series
+from towage.models.slender.coefficients import Body, coefficients
+from towage.models.slender.damping import fast_mode_damping
+from towage.models.slender.modes import matrices, roots, spectrum
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

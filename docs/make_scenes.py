@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 import towage
-from towage.report_format import moment, number, percent
-from towage.report_plots import Plotter
-from towage.result import Result
-from towage.scene import Scene, available_scenes
+from towage.report.format import moment, number, percent
+from towage.report.plots import Plotter
+from towage.result.result import Result
+from towage.scene.scene import Scene, available_scenes
 
 PAGES = Path(__file__).with_name("scenes")
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from towage.fmus import UNITS
-from towage.fmus.documentation import variable_groups
-from towage.fmus.unit import Unit, load
+from towage.fmus.declare.unit import Unit, load
+from towage.fmus.describe.documentation import variable_groups
 
 
 def page(units: list[Unit]) -> str:

@@ -1,12 +1,12 @@
 """Unit `body_force`: oscillating drag and lift of a towed body."""
 
-from ..models import cable_body_force
-from .unit import Unit, entry, output, parameter
+from ..models.cable import body_force
+from .declare.unit import Unit, entry, output, parameter
 
 UNIT = Unit(
     name="body_force",
     description="Oscillating drag and lift of a towed body, prescribed",
-    model=cable_body_force,
+    model=body_force,
     parameters=(
         parameter("drag_amplitude", "N", 0.0, "Amplitude of the drag", display="lbf"),
         parameter("drag_phase", "rad", 0.0, "Phase of the drag: a sin(2 pi t / period + phase)", display="deg"),

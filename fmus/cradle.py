@@ -1,7 +1,7 @@
 """Unit `cradle`: suspended body, line tension in, heave out, with docking."""
 
-from ..models import cradle
-from .unit import Unit, calculated, entry, local, margin, next_event_time, output, parameter, tunable
+from ..models.heave import cradle
+from .declare.unit import Unit, calculated, entry, local, margin, next_event_time, output, parameter, tunable
 
 BODY = (
     parameter("mass", "kg", 1000.0, "Mass", display="lb", min=1e-9),

@@ -1,9 +1,9 @@
 """Unit `cradle_on_line`: the thesis's SDOF model, heave of the upper end in, pull out."""
 
-from ..models import cradle_on_line
+from ..models.heave import cradle_on_line
 from .cradle import BODY, DOCKING, MOTION, REYNOLDS, SUBMERSIBLE
+from .declare.unit import Unit, calculated, entry, output
 from .spring_line import BRANCH, ELASTICITY, margins
-from .unit import Unit, calculated, entry, output
 
 TOP = ("heave_top",)
 

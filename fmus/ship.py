@@ -1,7 +1,7 @@
 """Unit `ship`: heave of the ship, reaction of the line in."""
 
-from ..models import ship
-from .unit import Unit, calculated, entry, local, margin, output, parameter, tunable
+from ..models.heave import ship
+from .declare.unit import Unit, calculated, entry, local, margin, output, parameter, tunable
 
 UNIT = Unit(
     name="ship",

@@ -1,8 +1,8 @@
 """Unit `ship_in_sea`: the ship in an irregular sea that may change along a voyage, reaction of the line in."""
 
-from ..models import ship_in_sea
+from ..models.sea import ship_in_sea
+from .declare.unit import Unit, entry, margin, output, parameter
 from .ship import UNIT as SHIP
-from .unit import Unit, entry, margin, output, parameter
 
 SHARED = {v.name: v for v in SHIP.parameters}
 

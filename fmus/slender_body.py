@@ -1,7 +1,7 @@
-"""Unit `slender_body`: towed slender body, tow speed and lateral motion of the craft in, force on the craft out."""
+"""Unit `slender.body`: towed slender body, tow speed and lateral motion of the craft in, force on the craft out."""
 
-from ..models import slender_body
-from .unit import Unit, calculated, entry, margin, output, parameter
+from ..models.slender import body as slender_body
+from .declare.unit import Unit, calculated, entry, margin, output, parameter
 
 SPEED, CRAFT = "tow_speed", "craft_lateral"
 

@@ -1,7 +1,7 @@
 """Unit `spring_line`: elastic line, both ends' heave in, tension out."""
 
-from ..models import spring_line
-from .unit import FREEZE_BRANCHES, Unit, Variable, calculated, entry, local, margin, output, parameter, tunable
+from ..models.heave import spring_line
+from .declare.unit import FREEZE_BRANCHES, Unit, Variable, calculated, entry, local, margin, output, parameter, tunable
 
 ELASTICITY = (
     tunable("stiffness", "N/m", 0.0, "Stiffness K; 0: axial_stiffness / length", display="lbf/ft", min=0.0),

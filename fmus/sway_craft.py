@@ -1,7 +1,7 @@
 """Unit `sway_craft`: towing craft with one degree of freedom, lateral force of the rope in, lateral motion out."""
 
-from ..models import sway_craft
-from .unit import Unit, calculated, entry, local, margin, output, parameter
+from ..models.slender import sway_craft
+from .declare.unit import Unit, calculated, entry, local, margin, output, parameter
 
 UNIT = Unit(
     name="sway_craft",

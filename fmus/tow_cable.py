@@ -1,8 +1,8 @@
 """Unit `tow_cable`: elastic tow cable alone, velocities of both ends in, forces on both ends out (linear)."""
 
-from ..models import cable_tow_cable
+from ..models.cable.units import tow_cable
+from .declare.unit import Unit, calculated, entry, output
 from .tow_system import CHOICE, CHOSEN, TOW, linear_margins, reactions, remembered
-from .unit import Unit, calculated, entry, output
 
 INPUTS = tuple(
     entry(f"{end}_velocity_{axis}", "m/s", 0.0, f"Velocity of the {end} end in the towing frame, {way}", display="ft/s")
@@ -13,7 +13,7 @@ NAMES = tuple(v.name for v in INPUTS)
 UNIT = Unit(
     name="tow_cable",
     description="Elastic tow cable between two units, small perturbations from the steady tow",
-    model=cable_tow_cable,
+    model=tow_cable,
     parameters=(*TOW, *CHOICE),
     calculated=(
         calculated("port_stiffness", "N/m", "Largest force on the body at once per displacement of it", "tunable"),

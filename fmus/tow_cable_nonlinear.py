@@ -1,13 +1,13 @@
 """Unit `tow_cable_nonlinear`: tow cable and towed body without linearisation; ports as `tow_system`."""
 
-from ..models import cable_tow_nonlinear
+from ..models.cable.units import tow_nonlinear
+from .declare.unit import Unit, calculated, margin, output, parameter
 from .tow_system import BODY, CHOSEN, NAMES, TOW, VELOCITY, body_velocity, reactions
-from .unit import Unit, calculated, margin, output, parameter
 
 UNIT = Unit(
     name="tow_cable_nonlinear",
     description="Tow cable and towed body, elastic lumped masses, large motions and slack",
-    model=cable_tow_nonlinear,
+    model=tow_nonlinear,
     parameters=(
         *TOW,
         parameter("segments", "1", 20.0, "Number of segments", min=1.0, max=400.0),

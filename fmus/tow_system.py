@@ -1,7 +1,7 @@
 """Unit `tow_system`: tow cable and towed body, towpoint velocity in, force and body motion out (linear)."""
 
-from ..models import cable_tow_system
-from .unit import Unit, Variable, calculated, entry, local, margin, output, parameter, per_second, tunable
+from ..models.cable.units import tow_system
+from .declare.unit import Unit, Variable, calculated, entry, local, margin, output, parameter, per_second, tunable
 
 
 def coefficients(name: str) -> tuple[Variable, ...]:
@@ -114,7 +114,7 @@ CHOSEN = (
 UNIT = Unit(
     name="tow_system",
     description="Tow cable and towed body, small perturbations from the steady tow",
-    model=cable_tow_system,
+    model=tow_system,
     parameters=(*TOW, parameter("extensible", "1", 0.0, "1: the cable stretches by axial_stiffness", min=0.0, max=1.0),
                 *CHOICE),
     calculated=(

@@ -1,12 +1,12 @@
 """Unit `towed_body`: point mass with added masses and drag, cable force in, motion out."""
 
-from ..models import cable_towed_body
-from .unit import Unit, calculated, entry, output, parameter, tunable
+from ..models.cable import towed_body
+from .declare.unit import Unit, calculated, entry, output, parameter, tunable
 
 UNIT = Unit(
     name="towed_body",
     description="Towed body: motion from the steady tow under changes of cable force, drag and lift",
-    model=cable_towed_body,
+    model=towed_body,
     parameters=(
         parameter("mass", "kg", 900.0, "Mass", display="slug", min=1e-9),
         tunable("added_mass_surge", "kg", 256.0, "Added mass in surge", display="slug", min=0.0),

@@ -1,7 +1,7 @@
 """Unit `voyage`: a computed route as a table; position, course and sea along it out."""
 
-from ..models import voyage
-from .unit import Unit, margin, output, parameter
+from ..models.route import voyage
+from .declare.unit import Unit, margin, output, parameter
 
 COLUMNS = {
     "x": ("m", "nmi", "Position on the route's plane, x"),

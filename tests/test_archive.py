@@ -17,9 +17,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from towage import archive, binary, description
-from towage.archive import check_platform, extract, read_description
 from towage.errors import FmuError
+from towage.units import archive, binary, description
+from towage.units.archive import check_platform, extract, read_description
 
 from .faults.boxes import (
     BROKEN_LIBRARIES,
@@ -340,7 +340,7 @@ def test_any_damage_is_refused_or_harmless(tmp_path: Path, data: st.DataObject) 
 
 def test_import_is_light() -> None:
     code = (
-        "import sys, towage.archive, towage.errors, towage.scene, towage.fmus.quantities\n"
+        "import sys, towage.units.archive, towage.errors, towage.scene.scene, towage.fmus.declare.quantities\n"
         "print([m for m in ('numpy', 'scipy', 'fmpy', 'matplotlib', 'pythonfmu', 'lxml') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

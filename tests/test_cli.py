@@ -18,8 +18,8 @@ import pytest
 import towage
 from towage import cli
 from towage.commands import common
-from towage.result import Result
-from towage.scene import Scene, available_scenes
+from towage.result.result import Result
+from towage.scene.scene import Scene, available_scenes
 
 ROOT = Path(towage.__file__).parent.parent
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(path or os.getcwd() for path in sys.path)}
@@ -494,7 +494,7 @@ def test_defect_is_code_70_with_traceback(monkeypatch: pytest.MonkeyPatch, capsy
     def broken() -> None:
         raise ZeroDivisionError("an unforeseen division")
 
-    monkeypatch.setattr("towage.scene.available_scenes", broken)
+    monkeypatch.setattr("towage.scene.scene.available_scenes", broken)
     assert call("list") == 70
     printed = capsys.readouterr().err
     assert printed.startswith("Traceback")
@@ -508,7 +508,7 @@ def test_interruption_elsewhere_is_code_130(
     def stopped() -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("towage.scene.available_scenes", stopped)
+    monkeypatch.setattr("towage.scene.scene.available_scenes", stopped)
     assert call("list") == 130
     assert capsys.readouterr().err == "towage: error: interrupted\n"
 

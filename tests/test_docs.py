@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from towage.fmus import UNITS
-from towage.fmus.unit import load
-from towage.scene import available_scenes
+from towage.fmus.declare.unit import load
+from towage.scene.scene import available_scenes
 
 ROOT = Path(__file__).parents[1]
 

@@ -12,11 +12,11 @@ from msgspec.structs import replace
 
 pytest.importorskip("casadi")
 
-from towage.ensemble import Ensemble, measures
+from towage.ensemble.ensemble import Ensemble, measures
 from towage.errors import RunError, SceneError
-from towage.fmus.compiler import CompileError, compiler, host
-from towage.fmus.unit import load
-from towage.scene import Scene
+from towage.fmus.declare.unit import load
+from towage.fmus.native.compiler import CompileError, compiler, host
+from towage.scene.scene import Scene
 
 try:
     compiler(host())

@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-from towage import progress as module
-from towage.progress import duration, progress
+from towage.process import progress as module
+from towage.process.progress import duration, progress
 
 
 class Terminal(io.StringIO):

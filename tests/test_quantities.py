@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage.fmus import quantities as q
+from towage.fmus.declare import quantities as q
 
 SYMBOLS = [*q.BASES, *q.UNITS]
 expressions = st.lists(

@@ -15,12 +15,12 @@ from matplotlib.image import imread
 
 from towage.cli import main
 from towage.errors import TowageError
-from towage.report import text_summary, write_report
-from towage.report_compare import common, difference, runs_of, write_comparison
-from towage.report_format import number, percent, quantity
-from towage.report_plots import intervals, roles, slack
-from towage.report_svg import thin
-from towage.result import Check, Comparison, Event, Margin, Result, Verdict
+from towage.report.compare import common, difference, runs_of, write_comparison
+from towage.report.format import number, percent, quantity
+from towage.report.page import text_summary, write_report
+from towage.report.plots import intervals, roles, slack
+from towage.report.svg import thin
+from towage.result.result import Check, Comparison, Event, Margin, Result, Verdict
 
 CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
 SCENE = """title = "Sea Cliff's cradle under Lulu"
@@ -173,7 +173,7 @@ def test_report_of_a_long_run_stays_small(tmp_path):
 
 
 def test_report_of_a_sweep_draws_the_gravest_cases(tmp_path, monkeypatch):
-    monkeypatch.setattr("towage.report._PLOTTED_CASES", 1)
+    monkeypatch.setattr("towage.report.page._PLOTTED_CASES", 1)
     cases = [foreign(9) for _ in range(5)]
     for index, case in enumerate(cases):
         case.case, case.scene_source = f"case {index}", SCENE

@@ -21,8 +21,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.io import loadmat
 
 from towage.errors import TowageError
-from towage.files import atomic_write
-from towage.result import Check, Comparison, Event, Margin, Result, Verdict
+from towage.process.files import atomic_write
+from towage.result.result import Check, Comparison, Event, Margin, Result, Verdict
 
 ROOT = Path(__file__).parents[1]
 

@@ -14,11 +14,11 @@ from scipy.io import netcdf_file
 
 from towage import cli
 from towage.errors import SceneError
-from towage.models.route_areas import Cells
-from towage.models.route_grid import GridField
-from towage.models.route_maps import FlatMap, StereographicMap
-from towage.route_data import read
-from towage.route_file import SHIPPED, load
+from towage.models.route.areas import Cells
+from towage.models.route.grid import GridField
+from towage.models.route.maps import FlatMap, StereographicMap
+from towage.routing.data import read
+from towage.routing.file import SHIPPED, load
 
 STORM = (SHIPPED / "storm.toml").read_text("utf-8")
 

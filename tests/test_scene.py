@@ -13,10 +13,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage import scene as scene_module
 from towage.errors import FmuError, RunError, SceneError, TowageError
-from towage.resolve import Connection, ResolvedScene
-from towage.scene import Scene, available_scenes
+from towage.scene import scene as scene_module
+from towage.scene.resolve import Connection, ResolvedScene
+from towage.scene.scene import Scene, available_scenes
 
 FEET = 0.3048
 UNIT_DEFINITIONS = '<Unit name="furlong"><BaseUnit m="1" factor="201.168"/></Unit><Unit name="odd"/>'

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from towage import cli, stability
+from towage import cli
 from towage.errors import SceneError
-from towage.models.slender_coefficients import Body
-from towage.scene import Scene
+from towage.models.slender.coefficients import Body
+from towage.scene.scene import Scene
+from towage.tow_stability import stability
 
 
 @pytest.fixture(autouse=True)

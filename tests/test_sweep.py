@@ -24,19 +24,19 @@ import numpy as np
 import pytest
 
 from towage import cli
-from towage.ensemble import Ensemble
+from towage.ensemble.ensemble import Ensemble
 from towage.errors import SceneError, TowageError
-from towage.fmus.compiler import CompileError, compiler, host
-from towage.master import Master
-from towage.scene import Scene
-from towage.sweep import JOURNAL, Sweep
-from towage.sweep_attractor import APERIODIC, repeats_after
-from towage.sweep_design import grid, parse_vary, sobol, with_values
-from towage.sweep_ensemble import by_ensemble
-from towage.sweep_journal import Journal, JournalError
-from towage.sweep_row import Row
-from towage.sweep_table import Table
-from towage.sweep_workers import Setup, Task, Worker
+from towage.fmus.native.compiler import CompileError, compiler, host
+from towage.master.master import Master
+from towage.scene.scene import Scene
+from towage.sweeps.attractor import APERIODIC, repeats_after
+from towage.sweeps.design import grid, parse_vary, sobol, with_values
+from towage.sweeps.ensemble import by_ensemble
+from towage.sweeps.journal import Journal, JournalError
+from towage.sweeps.row import Row
+from towage.sweeps.sweep import JOURNAL, Sweep
+from towage.sweeps.table import Table
+from towage.sweeps.workers import Setup, Task, Worker
 
 SCRIPT = '''
 import ctypes
@@ -572,7 +572,7 @@ def test_without_a_compiler_the_runs_are_offered(
     def missing(text: object) -> None:
         raise CompileError("no C compiler on this machine")
 
-    monkeypatch.setattr("towage.ensemble_engine._library", missing)
+    monkeypatch.setattr("towage.ensemble.engine._library", missing)
     assert cli.main(short(tmp_path, "ensemble")) == 2
     assert "no C compiler on this machine; or take --engine runs" in capsys.readouterr().err
 
@@ -580,7 +580,7 @@ def test_without_a_compiler_the_runs_are_offered(
 def test_without_casadi_the_runs_are_offered(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setitem(sys.modules, "towage.fmus.ensemble", None)  # as if what it imports were not there
+    monkeypatch.setitem(sys.modules, "towage.fmus.native.ensemble.build", None)  # as if what it imports were not there
     assert cli.main(short(tmp_path, "ensemble")) == 2
     said = capsys.readouterr().err
     assert "pip install 'towage[native]'; or take --engine runs" in said
@@ -620,7 +620,7 @@ def test_cluster_gives_the_same_bits_and_loses_nothing_with_a_worker(winch: Path
 
 def test_cluster_that_does_not_answer(winch: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("towage.sweep_dask.ANSWER", 0.5)
+    monkeypatch.setattr("towage.sweeps.dask.ANSWER", 0.5)
     sweep = Sweep(Scene.load(winch), grid(Scene.load(winch), ["winch.amplitude=1:3:3"]), flavour="python")
     with pytest.raises(TowageError, match="no dask scheduler answers"):
         sweep.run(tmp_path, dask="tcp://127.0.0.1:9")

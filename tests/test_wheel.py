@@ -32,11 +32,12 @@ def test_wheel_runs_a_scene_outside_the_repository(tmp_path):
         ["make", "-s", "wheel", f"BIN={Path(sys.executable).parent}"],
         cwd=copy, env=os.environ | {"PYTHONPATH": str(copy)}, check=True, timeout=300,
     )  # fmt: skip
-    assert not (copy / "towage" / "units").exists(), "FMUs in the work tree would go stale"
+    assert not (copy / "towage" / "shipped").exists(), "FMUs in the work tree would go stale"
     (wheel,) = (copy / "dist").glob("towage-*.whl")
     members = zipfile.ZipFile(wheel).namelist()
-    assert {f"towage/units/{name}.fmu" for name in UNITS} <= set(members)
-    for member in ("towage/scenes/sea_cliff.toml", "towage/models/cradle.py", "towage/fmus/native/unit.h", "towage/py.typed"):
+    assert {f"towage/shipped/{name}.fmu" for name in UNITS} <= set(members)
+    runtime = "towage/fmus/native/runtime/unit.h"
+    for member in ("towage/scenes/sea_cliff.toml", "towage/models/heave/cradle.py", runtime, "towage/py.typed"):
         assert member in members
     place = tmp_path / "new"
     venv.create(place, with_pip=True)

@@ -16,14 +16,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from towage import worker
-from towage.child import Died, converse
 from towage.errors import FmuError, RunError, SceneError
-from towage.master import Master
-from towage.recorder import Recorder, read_journal
-from towage.result import Event, Result
-from towage.scene import Scene, UnitEntry
-from towage.worker import check_isolated, run_isolated
+from towage.master.master import Master
+from towage.master.recorder import Recorder, read_journal
+from towage.process import worker
+from towage.process.child import Died, converse
+from towage.process.worker import check_isolated, run_isolated
+from towage.result.result import Event, Result
+from towage.scene.scene import Scene, UnitEntry
 
 SCRIPT = '''
 import ctypes
@@ -300,11 +300,11 @@ def test_interruption_keeps_the_record(hostile: Path, request: pytest.FixtureReq
 def test_child_ends_with_its_parent(hostile: Path, tmp_path: Path) -> None:
     """A parent that is killed cannot end its child; the child notices, even inside a step that hangs."""
     code = (
-        "from test_scene_of_parent import it; from towage.worker import run_isolated; "
+        "from test_scene_of_parent import it; from towage.process.worker import run_isolated; "
         "run_isolated(it, report=lambda share, text: print(text, flush=True))"
     )
     (tmp_path / "test_scene_of_parent.py").write_text(
-        f"from towage.scene import Scene\nit = Scene.from_dict({to_dict(scene(hostile, 'hang'))!r})\n"
+        f"from towage.scene.scene import Scene\nit = Scene.from_dict({to_dict(scene(hostile, 'hang'))!r})\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, env=ENVIRONMENT

@@ -11,13 +11,21 @@ The names below load what they need when they are first used: ``import towage`` 
 from __future__ import annotations
 
 import importlib
+import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import FmuError, RunError, SceneError, TowageError
-    from .master import Master, run, run_all
-    from .result import Result
-    from .scene import Scene
+    from towage.errors import FmuError, RunError, SceneError, TowageError
+    from towage.master.master import Master, run, run_all
+    from towage.result.result import Result
+    from towage.scene.scene import Scene
+
+for _link in ("models", "fmus"):
+    if not os.path.isdir(os.path.join(os.path.dirname(__file__), _link)):
+        raise ImportError(
+            f"towage/{_link} is no link to ../{_link}: this checkout was made without symbolic links. Clone it again with "
+            "'git -c core.symlinks=true clone', or install the wheel"
+        )
 
 __version__ = "0.1.0"
 __all__ = [
@@ -35,14 +43,14 @@ __all__ = [
 
 _HOME = {
     "FmuError": "errors",
-    "Master": "master",
-    "Result": "result",
+    "Master": "master.master",
+    "Result": "result.result",
     "RunError": "errors",
-    "Scene": "scene",
+    "Scene": "scene.scene",
     "SceneError": "errors",
     "TowageError": "errors",
-    "run": "master",
-    "run_all": "master",
+    "run": "master.master",
+    "run_all": "master.master",
 }
 """The module of each public name."""
 

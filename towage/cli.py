@@ -13,8 +13,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from . import __version__
-from .errors import TowageError
+from towage import __version__
+from towage.errors import TowageError
 
 COMMANDS = {
     "run": "towage.commands.run",

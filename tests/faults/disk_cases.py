@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from towage import store
 from towage.cli import main
+from towage.units import store
 
 from .survival import STOP, Case, scene
 from .unit_cases import misbehaving

@@ -21,10 +21,10 @@ from pathlib import Path
 import numpy as np
 
 from tests.faults import boxes
-from towage.archive import extract, unpacked
 from towage.errors import TowageError
-from towage.fmus import archive_writer
-from towage.result import Result
+from towage.fmus.describe import archive as archive_writer
+from towage.result.result import Result
+from towage.units.archive import extract, unpacked
 
 LONGEST = 0.03
 """A writer lives up to so long, s: some ten files."""

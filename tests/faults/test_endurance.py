@@ -11,9 +11,9 @@ import pytest
 from msgspec.structs import replace
 
 from tests.foreign.units import hostile
-from towage.master import Master
-from towage.result import Result
-from towage.scene import Scene
+from towage.master.master import Master
+from towage.result.result import Result
+from towage.scene.scene import Scene
 
 from .survival import scene
 from .unit_cases import misbehaving

@@ -9,10 +9,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from towage.fmus.compiler import host, library
-from towage.fmus.trace import Traced, model_source
-from towage.fmus.unit import Unit
-from towage.models.ops import FLOATS
+from towage.fmus.declare.unit import Unit
+from towage.fmus.native.compiler import host, library
+from towage.fmus.native.trace import Traced, model_source
+from towage.models.numeric.ops import FLOATS
 
 Vector = Sequence[float]
 POINTER = ctypes.POINTER(ctypes.c_double)

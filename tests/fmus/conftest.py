@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from towage.fmus import native_fmu
-from towage.fmus.python_fmu import build
+from towage.fmus.native import build as native_fmu
+from towage.fmus.python.build import build
 
 UNITS = ("ship", "spring_line", "cradle", "cradle_on_line")
 PROGRAMS = Path(__file__).parent / "programs"

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from towage.fmus.unit import Unit, calculated, entry, output, parameter
-from towage.models.matrix_ops import MatrixOps
-from towage.models.ops import Ops, Value
-from towage.models.state_space import Comparison, Resolution, Setup, Study
+from towage.fmus.declare.unit import Unit, calculated, entry, output, parameter
+from towage.models.numeric.matrix_ops import MatrixOps
+from towage.models.numeric.ops import Ops, Value
+from towage.models.protocol.state_space import Comparison, Resolution, Setup, Study
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import fmpy
 
-from towage.fmus import native_fmu
-from towage.fmus.compiler import compiler, host
-from towage.fmus.native_fmu import RUNTIME
-from towage.fmus.trace import Traced
-from towage.fmus.unit import load
+from towage.fmus.declare.unit import load
+from towage.fmus.native import build as native_fmu
+from towage.fmus.native.build import RUNTIME
+from towage.fmus.native.compiler import compiler, host
+from towage.fmus.native.trace import Traced
 
 HOST = Path(__file__).parent / "host"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{RUNTIME}")

@@ -8,11 +8,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from towage.fmus.compiler import compiler, host
-from towage.fmus.trace import Traced, model_source
-from towage.fmus.unit_source import unit_source
+from towage.fmus.native.compiler import compiler, host
+from towage.fmus.native.source import unit_source
+from towage.fmus.native.trace import Traced, model_source
 
-NATIVE = Path(__file__).parents[2] / "fmus" / "native"
+NATIVE = Path(__file__).parents[2] / "fmus" / "native" / "runtime"
 FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-fPIC")
 DONE, REFUSED, NO_STEP = range(3)
 CO_SIMULATION, MODEL_EXCHANGE = range(2)

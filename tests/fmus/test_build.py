@@ -14,9 +14,9 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
-from towage.fmus import quantities
-from towage.fmus.python_fmu import build
-from towage.fmus.unit import load
+from towage.fmus.declare import quantities
+from towage.fmus.declare.unit import load
+from towage.fmus.python.build import build
 
 from .conftest import UNITS
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from towage.models import cradle, ship, spring_line
-from towage.models.system import Simulation, System
+from towage.models.heave import cradle, ship, spring_line
+from towage.models.heave.system import Simulation, System
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "couple_with_fmpy.py"
 

@@ -11,9 +11,9 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage.fmus.inline import floats
-from towage.models import cradle, cradle_on_line, spring_line
-from towage.models.ops import FLOATS
+from towage.fmus.python.inline import floats
+from towage.models.heave import cradle, cradle_on_line, spring_line
+from towage.models.numeric.ops import FLOATS
 
 ANY = st.floats(allow_nan=True, allow_infinity=True)
 

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from towage.fmus.instance import CallError, Instance, StepError
-from towage.fmus.unit import load
+from towage.fmus.declare.unit import load
+from towage.fmus.python.instance import CallError, Instance, StepError
 
 from .conftest import UNITS
 

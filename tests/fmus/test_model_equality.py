@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from towage.fmus.instance import Instance
-from towage.fmus.unit import Unit, load
-from towage.models.integrate import integrate
-from towage.models.ops import FLOATS
+from towage.fmus.declare.unit import Unit, load
+from towage.fmus.python.instance import Instance
+from towage.models.numeric.integrate import integrate
+from towage.models.numeric.ops import FLOATS
 
 from .conftest import UNITS, Program
 
@@ -154,12 +154,12 @@ def variant(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("spring_line", "return static_tension / k + heave_top", "return 1.0 + static_tension / k + heave_top"),
         ("cradle", "return 0.5 * p.water_density", "return 0.75 * p.water_density"),
     ):
-        file = root / "towage" / "models" / f"{module}.py"
+        file = root / "towage" / "models" / "heave" / f"{module}.py"
         text = file.read_text()
         assert text.count(old) == 1
         file.write_text(text.replace(old, new))
     command = (
-        f"import sys, pathlib; sys.path.insert(0, {str(root)!r}); from towage.fmus.python_fmu import build\n"
+        f"import sys, pathlib; sys.path.insert(0, {str(root)!r}); from towage.fmus.python.build import build\n"
         f"for name in {UNITS!r}: build(name, pathlib.Path({str(root / 'other')!r}))"
     )
     subprocess.run([sys.executable, "-I", "-c", command], check=True, cwd=root, timeout=60)

@@ -17,11 +17,12 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
-from towage.fmus import UNITS, compiler
-from towage.fmus.native_fmu import build, package
-from towage.fmus.trace import trace
-from towage.fmus.unit import BuildError, load
-from towage.fmus.universal import universal
+from towage.fmus import UNITS
+from towage.fmus.declare.unit import BuildError, load
+from towage.fmus.native import compiler
+from towage.fmus.native.build import build, package
+from towage.fmus.native.trace import trace
+from towage.fmus.native.universal import universal
 
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = tuple(name for name in UNITS if not load(name).not_native)

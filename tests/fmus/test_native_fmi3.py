@@ -13,11 +13,12 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelVariable
 from fmpy.validation import validate_fmu
 
-from towage.fmus import native_fmu, quantities
-from towage.fmus.arrays import array_of, lengths
-from towage.fmus.instance import Instance
-from towage.fmus.trace_linear import trace
-from towage.fmus.unit import load, local
+from towage.fmus.declare import quantities
+from towage.fmus.declare.arrays import array_of, lengths
+from towage.fmus.declare.unit import load, local
+from towage.fmus.native import build as native_fmu
+from towage.fmus.native.trace_linear import trace
+from towage.fmus.python.instance import Instance
 
 from . import linear_example
 from .conftest import UNITS

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from towage.fmus.instance import Instance
-from towage.fmus.unit import load
+from towage.fmus.declare.unit import load
+from towage.fmus.python.instance import Instance
 
 from .conftest import UNITS
 from .native_host import SINES, STARTS, Unpacked, compile_host, unpack

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from towage.fmus.trace import trace
-from towage.fmus.unit import Unit, load
+from towage.fmus.declare.unit import Unit, load
+from towage.fmus.native.trace import trace
 
 from . import linear_example
 from .conftest import UNITS, compiler_found

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from towage.fmus.trace_linear import trace
-from towage.models.matrix_ops import numbers
+from towage.fmus.native.trace_linear import trace
+from towage.models.numeric.matrix_ops import numbers
 
 from . import linear_example as example
 from .native_instance import DONE, MODEL_EXCHANGE, NO_STEP, REFUSED, Library, NativeInstance, unit_library

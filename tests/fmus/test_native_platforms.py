@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from towage.fmus.native_fmu import build
+from towage.fmus.native.build import build
 
 from .exported import exports
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from towage.fmus.instance import Instance
-from towage.fmus.trace_linear import trace
-from towage.fmus.unit import load
-from towage.models.cable_fidelity import tow_elastic, tow_rigid
-from towage.models.cable_parameters import tow_of
-from towage.models.cable_reduction import reduce
-from towage.models.ops import FLOATS
+from towage.fmus.declare.unit import load
+from towage.fmus.native.trace_linear import trace
+from towage.fmus.python.instance import Instance
+from towage.models.cable.lumped.fidelity import tow_elastic, tow_rigid
+from towage.models.cable.lumped.reduction import reduce
+from towage.models.cable.parameters import tow_of
+from towage.models.numeric.ops import FLOATS
 
 from .native_instance import DONE, MODEL_EXCHANGE, REFUSED, Library, NativeInstance, unit_library
 

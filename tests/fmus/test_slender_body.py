@@ -1,4 +1,4 @@
-"""The FMUs `slender_body` and `sway_craft` as artefacts, in a process that cannot import the work tree."""
+"""The FMUs `slender.body` and `sway_craft` as artefacts, in a process that cannot import the work tree."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from towage.fmus.instance import Instance
-from towage.fmus.python_fmu import build
-from towage.fmus.unit import load
+from towage.fmus.declare.unit import load
+from towage.fmus.python.build import build
+from towage.fmus.python.instance import Instance
 
 PROGRAM = """
 import json, sys
@@ -167,7 +167,7 @@ def test_a_refused_step_leaves_the_instance_as_it_was(flexible: float) -> None:
 def test_native_flavour_steps_as_the_python_flavour(flexible: float, tmp_path: Path) -> None:
     """Every theory, sway and a ramp of speed, with what is found at the start: resolved speed, scales; refusals."""
     pytest.importorskip("casadi")
-    from towage.fmus.trace import trace
+    from towage.fmus.native.trace import trace
 
     from .native_instance import DONE, NO_STEP, REFUSED, NativeInstance, unit_library
 

@@ -9,13 +9,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from towage.fmus.instance import CallError, Instance
-from towage.fmus.python_fmu import staged_modules
-from towage.fmus.unit import load
-from towage.models import cable_tow_system
-from towage.models.cable_parameters import TowParameters, tow_of
-from towage.models.cable_perturbation import Excitation
-from towage.models.cable_response import respond
+from towage.fmus.declare.unit import load
+from towage.fmus.python.build import staged_modules
+from towage.fmus.python.instance import CallError, Instance
+from towage.models.cable.parameters import TowParameters, tow_of
+from towage.models.cable.steady.perturbation import Excitation
+from towage.models.cable.steady.response import respond
+from towage.models.cable.units import tow_system
 
 OMEGA, STEP = 1.2, 0.1
 LINEAR = ("tow_system", "tow_cable")
@@ -128,7 +128,7 @@ def test_fmu_carries_the_modules_it_needs(name: str) -> None:
     staged = set(staged_modules(name))
     assert f"models/{load(name).model.__name__.rsplit('.', 1)[1]}.py" in staged
     if name in LINEAR:
-        assert {"models/cable_step.py", "models/cable_reduction.py", "models/ops.py"} <= staged
+        assert {"models/numeric/exact_step.py", "models/cable/lumped/reduction.py", "models/numeric/ops.py"} <= staged
 
 
 @pytest.mark.parametrize(
@@ -275,5 +275,5 @@ def test_a_reduced_model_cannot_be_tuned(options: dict[str, float], why: str) ->
 
 
 def test_parameters_of_unit_and_model_agree() -> None:
-    assert {v.name for v in load("tow_system").parameters} == set(cable_tow_system.Parameters.__dataclass_fields__)
+    assert {v.name for v in load("tow_system").parameters} == set(tow_system.Parameters.__dataclass_fields__)
     assert cmath.isfinite(complex(get(started("tow_system"), "model_error")[0]))

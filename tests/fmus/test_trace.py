@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from towage.fmus import UNITS
-from towage.fmus.trace import FORWARD, NotNative, Traced, model_source, trace
-from towage.fmus.unit import load
-from towage.models.ops import FLOATS
+from towage.fmus.declare.unit import load
+from towage.fmus.native.trace import FORWARD, NotNative, Traced, model_source, trace
+from towage.models.numeric.ops import FLOATS
 
 from .compiled import Compiled, point
 

@@ -6,9 +6,9 @@ import random
 
 import pytest
 
-from towage.fmus.instance import CallError, Instance
-from towage.fmus.unit import Unit, load
-from towage.models.ops import FLOATS
+from towage.fmus.declare.unit import Unit, load
+from towage.fmus.python.instance import CallError, Instance
+from towage.models.numeric.ops import FLOATS
 
 from .test_instance import Player
 

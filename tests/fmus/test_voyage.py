@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from towage.fmus.instance import CallError, Instance
-from towage.fmus.python_fmu import build, staged_modules
-from towage.fmus.unit import load
-from towage.models import voyage
+from towage.fmus.declare.unit import load
+from towage.fmus.python.build import build, staged_modules
+from towage.fmus.python.instance import CallError, Instance
+from towage.models.route import voyage
 
 NAMES = ("voyage", "ship_in_sea")
 SEA = {"wave_height": 4.0, "speed": 6.0, "length": 120.0, "ramp_time": 0.0, "components": 30.0, "update_interval": 1.0}

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from towage.errors import SceneError
-from towage.result import Result
-from towage.scene import Scene
-from towage.worker import run_isolated
+from towage.process.worker import run_isolated
+from towage.result.result import Result
+from towage.scene.scene import Scene
 
 from .units import hostile
 

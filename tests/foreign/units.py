@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from towage.binary import platform_name
+from towage.units.binary import platform_name
 
 SOURCE = Path(__file__).with_name("hostile.c")
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>

@@ -11,16 +11,16 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from towage.models.cable_case import CableError, Tow
-from towage.models.cable_fidelity import choose, exact_gains
-from towage.models.cable_forces import node_load, segment_forces
-from towage.models.cable_linear import LinearModel, cable_elastic, rigid_model, tow_elastic, tow_rigid
-from towage.models.cable_lumped import Chain, equilibrium, matrices
-from towage.models.cable_reduction import reduce, relative_error, stable, transfer
-from towage.models.cable_response import respond
-from towage.models.cable_steady import steady
-from towage.models.cable_step import exact_step
-from towage.verify_cable import excitation_of, tow_of
+from towage.models.cable.case import CableError, Tow
+from towage.models.cable.lumped.fidelity import choose, exact_gains
+from towage.models.cable.lumped.forces import node_load, segment_forces
+from towage.models.cable.lumped.linear import LinearModel, cable_elastic, rigid_model, tow_elastic, tow_rigid
+from towage.models.cable.lumped.lumped import Chain, equilibrium, matrices
+from towage.models.cable.lumped.reduction import reduce, relative_error, stable, transfer
+from towage.models.cable.steady.response import respond
+from towage.models.cable.steady.steady import steady
+from towage.models.numeric.exact_step import exact_step
+from towage.verify.cable import excitation_of, tow_of
 
 CASES = {
     c["name"][:2]: c["inputs"] for c in json.loads((files("towage") / "reference" / "cable.json").read_text())["cases"]

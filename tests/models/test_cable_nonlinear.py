@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from towage.models.cable_case import Body, Cable, CableError, Tow
-from towage.models.cable_linear import tow_elastic
-from towage.models.cable_loading import eames
-from towage.models.cable_lumped import equilibrium, steady_towpoint_force
-from towage.models.cable_nonlinear import NonlinearCable, nonlinear_cable
+from towage.models.cable.case import Body, Cable, CableError, Tow
+from towage.models.cable.loading import eames
+from towage.models.cable.lumped.linear import tow_elastic
+from towage.models.cable.lumped.lumped import equilibrium, steady_towpoint_force
+from towage.models.cable.lumped.nonlinear import NonlinearCable, nonlinear_cable
 
 
 def moordyn_tow() -> Any:

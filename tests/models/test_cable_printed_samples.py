@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from towage.models.cable_case import Body, Cable, Tow
-from towage.models.cable_loading import eames
-from towage.models.cable_perturbation import Excitation, body_rows, coefficients, towpoint_values
-from towage.models.cable_response import respond
-from towage.models.cable_steady import slopes
+from towage.models.cable.case import Body, Cable, Tow
+from towage.models.cable.loading import eames
+from towage.models.cable.steady.perturbation import Excitation, body_rows, coefficients, towpoint_values
+from towage.models.cable.steady.response import respond
+from towage.models.cable.steady.steady import slopes
 
 POINTS = 20
 SAMPLES: dict[str, Any] = json.loads((files("towage") / "reference" / "cable_samples.json").read_text("utf-8"))

@@ -11,13 +11,13 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from towage.models.cable_case import Body, Cable, CableError, Tow
-from towage.models.cable_loading import Loading, cross_flow, eames
-from towage.models.cable_perturbation import Excitation, Response
-from towage.models.cable_response import mesh, respond
-from towage.models.cable_shooting import LostIndependence, respond_by_shooting
-from towage.models.cable_steady import Steady, steady
-from towage.verify import check
+from towage.models.cable.case import Body, Cable, CableError, Tow
+from towage.models.cable.loading import Loading, cross_flow, eames
+from towage.models.cable.steady.perturbation import Excitation, Response
+from towage.models.cable.steady.response import mesh, respond
+from towage.models.cable.steady.shooting import LostIndependence, respond_by_shooting
+from towage.models.cable.steady.steady import Steady, steady
+from towage.verify.verify import check
 
 KNOT = 1.68781
 """ft/s"""

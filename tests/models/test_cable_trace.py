@@ -11,26 +11,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from towage.fmus.unit import load
-from towage.models import cable_tow_cable, cable_tow_system
-from towage.models.cable_case import CableError
-from towage.models.cable_fidelity import choose
-from towage.models.cable_forces import COMPLEX_STEP, segment_forces
-from towage.models.cable_linear import tow_rigid
-from towage.models.cable_linear_unit import setup_requirements
-from towage.models.cable_lumped import BALANCE, equilibrium, hang, matrices
-from towage.models.cable_parameters import tow_of
-from towage.models.cable_reduction import relative_error, transfer
-from towage.models.matrix_ops import numbers, traces
-from towage.models.ops import FLOATS, symbols
+from towage.fmus.declare.unit import load
+from towage.models.cable.case import CableError
+from towage.models.cable.lumped.fidelity import choose
+from towage.models.cable.lumped.forces import COMPLEX_STEP, segment_forces
+from towage.models.cable.lumped.linear import tow_rigid
+from towage.models.cable.lumped.lumped import BALANCE, equilibrium, hang, matrices
+from towage.models.cable.lumped.reduction import relative_error, transfer
+from towage.models.cable.parameters import tow_of
+from towage.models.cable.units import tow_cable, tow_system
+from towage.models.cable.units.linear_tow import setup_requirements
+from towage.models.numeric.matrix_ops import numbers, traces
+from towage.models.numeric.ops import FLOATS, symbols
 
 SIZES = [
-    (cable_tow_system, cable_tow_system.Size(10, 0)),
-    (cable_tow_system, cable_tow_system.Size(20, 0)),
-    (cable_tow_system, cable_tow_system.Size(10, 1)),
-    (cable_tow_system, cable_tow_system.Size(20, 1)),
-    (cable_tow_cable, cable_tow_cable.Size(10)),
-    (cable_tow_cable, cable_tow_cable.Size(20)),
+    (tow_system, tow_system.Size(10, 0)),
+    (tow_system, tow_system.Size(20, 0)),
+    (tow_system, tow_system.Size(10, 1)),
+    (tow_system, tow_system.Size(20, 1)),
+    (tow_cable, tow_cable.Size(10)),
+    (tow_cable, tow_cable.Size(20)),
 ]
 SCALED = (
     "tow_speed", "cable_length", "cable_mass", "cable_weight", "cable_thickness", "cable_drag_coefficient", "body_mass",
@@ -43,7 +43,7 @@ def parameters(model: ModuleType, count: int, spread: float = 0.7) -> list[Any]:
     """Tows of random proportions, of both quadrants, all forms of the loading and of the added mass."""
     rng = random.Random(3)
     found = []
-    unit = load("tow_system" if model is cable_tow_system else "tow_cable")
+    unit = load("tow_system" if model is tow_system else "tow_cable")
     start = {v.name: v.start or 0.0 for v in unit.parameters} | {"axial_stiffness": 4e6}
     for k in range(count):
         p = start | {name: start[name] * math.exp(rng.uniform(-spread, spread)) for name in SCALED}
@@ -136,7 +136,7 @@ def test_trace_of_the_observation_equals_the_numbers(model: ModuleType, size: An
     assert np.array(function(*values)).ravel() == pytest.approx(np.array(expected, dtype=float), rel=1e-13, abs=1e-13)
 
 
-@pytest.mark.parametrize("name, model", [("tow_system", cable_tow_system), ("tow_cable", cable_tow_cable)])
+@pytest.mark.parametrize("name, model", [("tow_system", tow_system), ("tow_cable", tow_cable)])
 @pytest.mark.parametrize(
     "change",
     [
@@ -159,12 +159,12 @@ def test_traced_requirements_are_those_of_numbers(name: str, model: ModuleType, 
 
 
 def test_requirements_of_the_setup() -> None:
-    p = parameters(cable_tow_system, 1)[0]
-    size = cable_tow_system.Size(10, 0)
+    p = parameters(tow_system, 1)[0]
+    size = tow_system.Size(10, 0)
     # a slight, buoyant cable lifts the chain out of Quadrant I
     for change, good in (({}, True), ({"cable_weight": -100.0}, False)):
         q = replace(p, **change)
-        constants = cable_tow_system.setup(q, size, numbers()).constants
+        constants = tow_system.setup(q, size, numbers()).constants
         assert all(v > 0.0 for v, _ in setup_requirements(q, constants, FLOATS)) == good
         if not good:
             with pytest.raises(CableError, match=r"segment \d of 10 leaves the quadrant or is slack"):
@@ -173,7 +173,7 @@ def test_requirements_of_the_setup() -> None:
 
 def test_equilibrium_is_found_in_any_tow_inside_its_quadrant() -> None:
     found = 0
-    for p in parameters(cable_tow_system, 200, spread=2.5):
+    for p in parameters(tow_system, 200, spread=2.5):
         chain = hang(tow_of(p), 20, numbers())
         # a fixed count of iterations: what it leaves is rounding, or there is no equilibrium in the quadrant
         assert not 1e-14 < chain.imbalance[-1] < BALANCE
@@ -183,7 +183,7 @@ def test_equilibrium_is_found_in_any_tow_inside_its_quadrant() -> None:
 
 @pytest.mark.parametrize("elastic", [False, True])
 def test_matrices_are_derivatives_of_the_forces(elastic: bool) -> None:
-    for p in parameters(cable_tow_system, 12):
+    for p in parameters(tow_system, 12):
         chain = equilibrium(tow_of(p), 6)
         m = matrices(chain, elastic)
         position, velocity = chain.nodes.T.astype(complex), np.zeros((2, 7), dtype=complex)
@@ -205,10 +205,10 @@ def test_matrices_are_derivatives_of_the_forces(elastic: bool) -> None:
 
 
 def test_error_by_half_the_segments_is_that_against_the_frequency_domain() -> None:
-    size = cable_tow_system.Size(20, 0)
-    (half, _) = cable_tow_system.study(size).comparisons
+    size = tow_system.Size(20, 0)
+    (half, _) = tow_system.study(size).comparisons
     assert half.size.segments == 10
-    for p in parameters(cable_tow_system, 3):
+    for p in parameters(tow_system, 3):
         tow, frequencies = tow_of(p), np.geomspace(0.02, 2.0, 20)
         rigid = replace(tow, cable=replace(tow.cable, axial_stiffness=math.inf))
         gains = [transfer(tow_rigid(rigid, n), frequencies)[:, :4] for n in (10, 20)]

@@ -11,23 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from towage.models import (
-    cable_body_force,
-    cable_towed_body,
-    cradle,
-    cradle_on_line,
-    ship,
-    spring_line,
-    sway_craft,
-    voyage,
-)  # fmt: skip
-from towage.models.composed import Composed, compose, eliminated
-from towage.models.composed_plan import CompositionError, Connection
-from towage.models.dependence import TRACED, Traced, bent, joined
-from towage.models.dual_ops import output_rates
-from towage.models.ops import FLOATS, NEVER, arrays, symbols
+from towage.models.cable import body_force, towed_body
+from towage.models.compose.model import Composed, compose, eliminated
+from towage.models.compose.plan import CompositionError, Connection
+from towage.models.heave import cradle, cradle_on_line, ship, spring_line
+from towage.models.numeric.dependence import TRACED, Traced, bent, joined
+from towage.models.numeric.dual_ops import output_rates
+from towage.models.numeric.ops import FLOATS, NEVER, arrays, symbols
+from towage.models.route import voyage  # fmt: skip
+from towage.models.slender import sway_craft
 
-MODELS = (ship, spring_line, cradle, cradle_on_line, cable_towed_body, cable_body_force, sway_craft, voyage)
+MODELS = (ship, spring_line, cradle, cradle_on_line, towed_body, body_force, sway_craft, voyage)
 WIRING = (
     Connection(("ship", "heave"), ("line", "heave_top")),
     Connection(("cradle", "heave"), ("line", "heave_bottom")),

@@ -1,4 +1,4 @@
-"""Ship, line and cradle against reference values computed independently, through ``towage.verify``."""
+"""Ship, line and cradle against reference values computed independently, through ``towage.verify.verify``."""
 
 import json
 import math
@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from towage.errors import SceneError
-from towage.models.system import Simulation
-from towage.verify import check, compare, verify
-from towage.verify_cradle import SOLVERS, dimensionless_system
+from towage.models.heave.system import Simulation
+from towage.verify.cradle import SOLVERS, dimensionless_system
+from towage.verify.verify import check, compare, verify
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "reference" / "cradle.json"
 EASY = {"B": 0.0, "r": 2.0, "y0": 0.0, "v0": 0.0, "tau": 1.0, "w": None}
@@ -53,7 +53,7 @@ def test_the_two_refuted_extremes_are_no_extremes() -> None:
 
 
 def _orbit(w: float) -> tuple[float, ...]:
-    from towage.models.orbits import steady
+    from towage.models.heave.orbits import steady
 
     return steady(dimensionless_system(0.3, 1.0, w)).state
 

@@ -9,11 +9,11 @@ import math
 import pytest
 from scipy.optimize import brentq
 
-from towage.models import cradle, linear, orbits, sdof
-from towage.models.ops import FLOATS
-from towage.models.shooting import flow
-from towage.models.system import Simulation
-from towage.verify_cradle import dimensionless_system as system
+from towage.models.heave import cradle, linear, orbits, sdof
+from towage.models.heave.shooting import flow
+from towage.models.heave.system import Simulation
+from towage.models.numeric.ops import FLOATS
+from towage.verify.cradle import dimensionless_system as system
 
 LULU = (28.0, 72.0, 1.617, 1.0)
 ALVIN_MASS, ALVIN_STIFFNESS, ALVIN_WEIGHT, HEAVE = 2200.0, 1040.0, 8100.0, 4.4

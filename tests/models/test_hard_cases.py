@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from towage.models import linear, orbits, sdof
-from towage.models.system import Simulation
-from towage.verify_cradle import dimensionless_system as system
+from towage.models.heave import linear, orbits, sdof
+from towage.models.heave.system import Simulation
+from towage.verify.cradle import dimensionless_system as system
 
 GRAZING = 2.2664909717833694  # w at which the line of B = 0.3, r = 1 just stays taut (register row 21)
 

@@ -10,10 +10,11 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from towage import verify
-from towage.models import heave_response as hr
-from towage.models import ship, ship_in_sea, waves
-from towage.models.ops import FLOATS, arrays
+from towage.models.heave import ship
+from towage.models.numeric.ops import FLOATS, arrays
+from towage.models.sea import heave_response as hr
+from towage.models.sea import ship_in_sea, waves
+from towage.verify import verify
 
 HULL = hr.Hull(174.65, 14.26, 7.77)
 CASES = json.loads((files("towage") / "reference" / "sea_and_route.json").read_text("utf-8"))["cases"]

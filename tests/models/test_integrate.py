@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from towage.models.integrate import (
+from towage.models.heave.system import DORMAND_PRINCE_8
+from towage.models.numeric.integrate import (
     DORMAND_PRINCE_5,
     IntegrationError,
     Tableau,
@@ -13,7 +14,6 @@ from towage.models.integrate import (
     interpolate,
     unrolled,
 )
-from towage.models.system import DORMAND_PRINCE_8
 
 
 def kepler(t: float, x: Vector) -> Vector:

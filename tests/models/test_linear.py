@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from towage.models import linear
-from towage.models.system import Simulation
-from towage.verify_cradle import dimensionless_system
+from towage.models.heave import linear
+from towage.models.heave.system import Simulation
+from towage.verify.cradle import dimensionless_system
 
 
 def exponential(t: float, m: float, c: float, k: float, x0: float, omega: float, y0: float, v0: float) -> np.ndarray:

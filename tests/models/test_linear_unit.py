@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from towage.models.linear_unit import LinearUnit, remembered
-from towage.models.state_space import Setup
+from towage.models.protocol.linear_model import LinearUnit, remembered
+from towage.models.protocol.state_space import Setup
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from towage.fmus.unit import load
-from towage.models import cradle, cradle_on_line, ship, spring_line
-from towage.models.ops import FLOATS, arrays, symbols
+from towage.fmus.declare.unit import load
+from towage.models.heave import cradle, cradle_on_line, ship, spring_line
+from towage.models.numeric.ops import FLOATS, arrays, symbols
 
 MODELS = {"ship": ship, "spring_line": spring_line, "cradle": cradle, "cradle_on_line": cradle_on_line}
 TRACED = ("derivatives", "outputs", "transition", "indicators", "advance", "calculated", "next_event_time", "initial")

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from towage.models import linear, orbits
-from towage.models.shooting import flow, shoot, tangent_flow
-from towage.verify_cradle import dimensionless_system as system
+from towage.models.heave import linear, orbits
+from towage.models.heave.shooting import flow, shoot, tangent_flow
+from towage.verify.cradle import dimensionless_system as system
 
 
 @pytest.mark.parametrize(

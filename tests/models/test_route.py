@@ -9,15 +9,17 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from towage import verify, verify_sea
-from towage.models import route_graph, route_shooting
-from towage.models.route import Plan, Problem, RouteError, plan
-from towage.models.route_areas import Disc, Polygon
-from towage.models.route_fields import Field, StormField, UniformField
-from towage.models.route_grid import Axis, GridField
-from towage.models.route_maps import FlatMap, StereographicMap
-from towage.models.route_medium import Medium
-from towage.models.route_polar import FOOT, KNOT, ConstantPolar, JamesPolar, TablePolar
+from towage.models.route import graph as route_graph
+from towage.models.route import shooting as route_shooting
+from towage.models.route.areas import Disc, Polygon
+from towage.models.route.fields import Field, StormField, UniformField
+from towage.models.route.grid import Axis, GridField
+from towage.models.route.maps import FlatMap, StereographicMap
+from towage.models.route.medium import Medium
+from towage.models.route.plan import Plan, Problem, RouteError, plan
+from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar, TablePolar
+from towage.verify import sea as verify_sea
+from towage.verify import verify
 
 MILE, HOUR = 1852.0, 3600.0
 CASES = json.loads((files("towage") / "reference" / "sea_and_route.json").read_text("utf-8"))["cases"]

@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from towage.models.route_areas import Cells, Disc, Polygon, blocked
-from towage.models.route_fields import Field, StormField
-from towage.models.route_grid import Axis, GridField
-from towage.models.route_maps import FlatMap, StereographicMap
+from towage.models.route.areas import Cells, Disc, Polygon, blocked
+from towage.models.route.fields import Field, StormField
+from towage.models.route.grid import Axis, GridField
+from towage.models.route.maps import FlatMap, StereographicMap
 
 MILE = 1852.0
 STORM = StormField(1.0, 9.0, (0.0, 0.0), 120 * MILE, (1.0, 4.0), 0.7, swirl=True)

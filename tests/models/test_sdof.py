@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from towage.models import cradle, orbits, sdof, ship, spring_line
-from towage.models.sdof import Pair
-from towage.models.system import Simulation
-from towage.verify_cradle import dimensionless_system
+from towage.models.heave import cradle, orbits, sdof, ship, spring_line
+from towage.models.heave.sdof import Pair
+from towage.models.heave.system import Simulation
+from towage.verify.cradle import dimensionless_system
 
 THESIS = (28.0, 72.0, 1.617, 1.0)
 

@@ -11,15 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eig, expm
 
 from towage.fmus.slender_body import UNIT
-from towage.models import slender_body, slender_critical
-from towage.models.matrix_ops import numbers
-from towage.models.ops import FLOATS
-from towage.models.slender_coefficients import Body
-from towage.models.slender_galerkin import Matrices
-from towage.models.slender_modes import matrices, roots, spectrum
-from towage.models.slender_plant import plant
-from towage.models.slender_setup import Parameters, masses, problem
-from towage.models.slender_step import FAST, exponential, fast_mode_damping
+from towage.models.numeric.matrix_ops import numbers
+from towage.models.numeric.ops import FLOATS
+from towage.models.slender import body as slender_body
+from towage.models.slender import critical as slender_critical
+from towage.models.slender.coefficients import Body
+from towage.models.slender.damping import FAST, exponential, fast_mode_damping
+from towage.models.slender.galerkin import Matrices
+from towage.models.slender.modes import matrices, roots, spectrum
+from towage.models.slender.plant import plant
+from towage.models.slender.setup import Parameters, masses, problem
 
 Array = NDArray[np.float64]
 BASE = Parameters(**{v.name: float(v.start or 0.0) for v in UNIT.parameters})

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from towage.models import slender_critical as critical
-from towage.models.slender_coefficients import Body
-from towage.models.slender_modes import growth_rate, matrices, roots, spectrum
-from towage.models.slender_tracking import track
+from towage.models.slender import critical as critical
+from towage.models.slender.coefficients import Body
+from towage.models.slender.modes import growth_rate, matrices, roots, spectrum
+from towage.models.slender.tracking import track
 
 BODY = Body()
 YAW = (3.379995896844, 7.935305114211, 11.06778101284)

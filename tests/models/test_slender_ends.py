@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage.models import slender_ends
-from towage.models.ops import FLOATS
-from towage.models.slender_coefficients import Body
+from towage.models.numeric.ops import FLOATS
+from towage.models.slender import ends as slender_ends
+from towage.models.slender.coefficients import Body
 
 SLENDERNESS = 40.0
 

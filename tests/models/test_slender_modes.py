@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from towage.models import slender_series
-from towage.models.slender_coefficients import Body
-from towage.models.slender_modes import growth_rate, matrices, modes, rates_of_change, roots, spectrum
+from towage.models.slender import series as slender_series
+from towage.models.slender.coefficients import Body
+from towage.models.slender.modes import growth_rate, matrices, modes, rates_of_change, roots, spectrum
 
 BODY = Body()
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import towage
-from towage import verify_slender
-from towage.verify import CaseResult, verify
+from towage.verify import slender as verify_slender
+from towage.verify.verify import CaseResult, verify
 
 OWN = Path(towage.__file__).parent / "reference" / "slender.json"
 SHARED = Path(__file__).parents[2].parent / "shared" / "reference" / "slender.json"

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage.models import slender_rigid
-from towage.models.slender_coefficients import Body
-from towage.models.slender_modes import matrices, roots
+from towage.models.slender import rigid as slender_rigid
+from towage.models.slender.coefficients import Body
+from towage.models.slender.modes import matrices, roots
 
 bodies = st.builds(
     Body,

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from towage.fmus.slender_body import UNIT
-from towage.models import slender_body
-from towage.models.matrix_ops import numbers, traces
-from towage.models.ops import FLOATS, symbols
-from towage.models.slender_body import Parameters, Size
-from towage.models.slender_setup import Constants, Undamped, assemble, system_of
+from towage.models.numeric.matrix_ops import numbers, traces
+from towage.models.numeric.ops import FLOATS, symbols
+from towage.models.slender import body as slender_body
+from towage.models.slender.body import Parameters, Size
+from towage.models.slender.setup import Constants, Undamped, assemble, system_of
 
 casadi = pytest.importorskip("casadi")
 BASE = {v.name: float(v.start or 0.0) for v in UNIT.parameters}

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from towage.models import waves
+from towage.models.sea import waves
 
 
 def test_consistency_with_closed_moments() -> None:

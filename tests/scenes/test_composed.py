@@ -1,4 +1,4 @@
-"""Scenes as one unit, against the reference that joins the same equations by hand (`models/system.py`)."""
+"""Scenes as one unit, against the reference that joins the same equations by hand (`models/heave/system.py`)."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from towage.compose import scene_unit, unit_of
 from towage.errors import SceneError
-from towage.fmus.instance import CallError, Instance
-from towage.fmus.native_fmu import build_unit
-from towage.fmus.unit import Unit, load
-from towage.master import Master
-from towage.models import cable_tow_system, ship
-from towage.models.ops import FLOATS, NEVER
-from towage.models.system import Simulation
-from towage.monolithic import monolithic, solve
-from towage.resolve import ResolvedScene
-from towage.scene import Scene
-from towage.store import locator
+from towage.fmus.declare.unit import Unit, load
+from towage.fmus.native.build import build_unit
+from towage.fmus.python.instance import CallError, Instance
+from towage.master.master import Master
+from towage.models.cable.units import tow_system
+from towage.models.heave import ship
+from towage.models.heave.system import Simulation
+from towage.models.numeric.ops import FLOATS, NEVER
+from towage.scene.compose import scene_unit, unit_of
+from towage.scene.resolve import ResolvedScene
+from towage.scene.scene import Scene
+from towage.units.store import locator
+from towage.verify.monolithic import monolithic, solve
 
 
 def resolved(name: str, case: str | None = None, **values: float) -> ResolvedScene:
@@ -157,13 +158,13 @@ def test_tow_scene_equals_the_equations_joined_by_hand() -> None:
     start = {v.name: v.start for v in load("ship").parameters}
     hull = ship.Parameters(**{f.name: given.get(f.name, start[f.name]) for f in fields(ship.Parameters)})
     start = {v.name: v.start for v in load("tow_system").parameters}
-    tow = cable_tow_system.Parameters(
+    tow = tow_system.Parameters(
         **{
             f.name: scene.units["tow"].parameters.get(f.name, start[f.name])
-            for f in fields(cable_tow_system.Parameters)
+            for f in fields(tow_system.Parameters)
         }
     )
-    (a,), (b,), c, d, e, _ = cable_tow_system.prepare(tow).setup
+    (a,), (b,), c, d, e, _ = tow_system.prepare(tow).setup
     n = len(a)
 
     def motion(t: float, x: NDArray[np.float64]) -> tuple[float, float]:

@@ -10,11 +10,11 @@ import pytest
 from msgspec.structs import replace
 
 from towage.errors import SceneError
-from towage.master import Master
-from towage.models import orbits
-from towage.monolithic import dimensionless_scene, solve
-from towage.result import Result
-from towage.verify_cradle import dimensionless_system
+from towage.master.master import Master
+from towage.models.heave import orbits
+from towage.result.result import Result
+from towage.verify.cradle import dimensionless_system
+from towage.verify.monolithic import dimensionless_scene, solve
 
 SHIP = {"mass": 1.0, "stiffness": 2.25, "damping": 0.15}
 

@@ -19,15 +19,15 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from towage import cli
-from towage.archive import read_description
-from towage.description import UnitDefinition
 from towage.errors import FmuError, SceneError, TowageError
-from towage.export import TICKS, Export, host_step, prepare
-from towage.export_osp import MODEL_NAMESPACE, SYSTEM_NAMESPACE, write_osp
-from towage.export_ssp import NAMESPACES, write_ssp
-from towage.flavour import resolve
-from towage.scene import Scene, available_scenes
-from towage.store import locator
+from towage.export.export import TICKS, Export, host_step, prepare
+from towage.export.osp import MODEL_NAMESPACE, SYSTEM_NAMESPACE, write_osp
+from towage.export.ssp import NAMESPACES, write_ssp
+from towage.scene.flavour import resolve
+from towage.scene.scene import Scene, available_scenes
+from towage.units.archive import read_description
+from towage.units.description import UnitDefinition
+from towage.units.store import locator
 
 SYSTEM, MODEL = f"{{{SYSTEM_NAMESPACE}}}", f"{{{MODEL_NAMESPACE}}}"
 VELOCITY, DISPLACEMENT = "LinearMechanicalPort", "LinearMechanicalQuasiPort"

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from towage.binary import platform_name
 from towage.errors import RunError
-from towage.flavour import resolve
-from towage.scene import Scene
-from towage.schemes import SCHEMES
-from towage.system import System
+from towage.master.schemes import SCHEMES
+from towage.master.system import System
+from towage.scene.flavour import resolve
+from towage.scene.scene import Scene
+from towage.units.binary import platform_name
 
 DESCRIPTION = """<fmiModelDescription fmiVersion="2.0" modelName="integrator" guid="g">
 <CoSimulation modelIdentifier="integrator" canInterpolateInputs="{inputs}" maxOutputDerivativeOrder="{outputs}"/>

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from towage import flavour, fmu
 from towage.errors import FmuError
-from towage.flavour import FLAVOURS, Flavour, resolve
-from towage.fmus.python_fmu import build
-from towage.master import Master
-from towage.scene import Scene, available_scenes
-from towage.store import native_place
+from towage.fmus.python.build import build
+from towage.master.master import Master
+from towage.scene import flavour
+from towage.scene.flavour import FLAVOURS, Flavour, resolve
+from towage.scene.scene import Scene, available_scenes
+from towage.units import fmu
+from towage.units.store import native_place
 
 pytest.importorskip("casadi")
 if not shutil.which("cc"):

@@ -15,15 +15,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from towage.export import TICKS, prepare
-from towage.export_osp import write_osp
-from towage.export_ssp import write_ssp
-from towage.flavour import Flavour, resolve
-from towage.fmus import archive_writer
-from towage.master import Master
-from towage.result import Result
-from towage.scene import Checks, Coupling, Record, Scene, available_scenes
-from towage.store import locator
+from towage.export.export import TICKS, prepare
+from towage.export.osp import write_osp
+from towage.export.ssp import write_ssp
+from towage.fmus.describe import archive as archive_writer
+from towage.master.master import Master
+from towage.result.result import Result
+from towage.scene.flavour import Flavour, resolve
+from towage.scene.scene import Checks, Coupling, Record, Scene, available_scenes
+from towage.units.store import locator
 
 pytest.importorskip("libcosimpy")
 

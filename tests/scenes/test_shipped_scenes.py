@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from towage.master import Master
-from towage.models.system import Simulation
-from towage.monolithic import monolithic, solve
-from towage.result import Result
-from towage.scene import Scene, available_scenes
+from towage.master.master import Master
+from towage.models.heave.system import Simulation
+from towage.result.result import Result
+from towage.scene.scene import Scene, available_scenes
+from towage.verify.monolithic import monolithic, solve
 
 POUND = 4.4482216152605
 

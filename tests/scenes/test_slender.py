@@ -11,15 +11,16 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from towage import judge_slender
+from towage.checks import simpler as judge_slender
 from towage.errors import SceneError
-from towage.master import Master
-from towage.models import ship, sway_craft
-from towage.models.ops import FLOATS
-from towage.models.slender_plant import plant
-from towage.result import Check, Result
-from towage.scene import Scene, SimplerCheck
-from towage.stability import bodies
+from towage.master.master import Master
+from towage.models.heave import ship
+from towage.models.numeric.ops import FLOATS
+from towage.models.slender import sway_craft
+from towage.models.slender.plant import plant
+from towage.result.result import Check, Result
+from towage.scene.scene import Scene, SimplerCheck
+from towage.tow_stability.stability import bodies
 
 Array = NDArray[np.float64]
 

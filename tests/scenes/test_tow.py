@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from towage import towing
+from towage.checks import towing
 from towage.cli import main
-from towage.master import Master
-from towage.models import cable_tow_cable, cable_tow_system
-from towage.models.cable_perturbation import Excitation
-from towage.models.cable_response import respond
-from towage.models.cable_step import exact_step
-from towage.report import text_summary
-from towage.result import Result
-from towage.scene import Scene
+from towage.master.master import Master
+from towage.models.cable.steady.perturbation import Excitation
+from towage.models.cable.steady.response import respond
+from towage.models.cable.units import tow_cable, tow_system
+from towage.models.numeric.exact_step import exact_step
+from towage.report.page import text_summary
+from towage.result.result import Result
+from towage.scene.scene import Scene
 
 LINEAR = ("tow_600ft", "tow_report_sample", "float_quadrant2", "tow_5km")
 SCENES = (*LINEAR, "tow_two_units", "tow_heavy_weather")
@@ -51,8 +51,8 @@ LONG = [pytest.param(n, marks=pytest.mark.slow) if n in ("tow_600ft", "tow_5km")
 @pytest.mark.parametrize("name", LONG)
 def test_every_shipped_step_operator_contracts(name: str) -> None:
     tow = towing.scene_tows(Scene.load(name))[0]
-    keys = cable_tow_system.Parameters.__dataclass_fields__
-    model = cable_tow_system.prepare(cable_tow_system.Parameters(**{k: tow.parameters[k] for k in keys})).model
+    keys = tow_system.Parameters.__dataclass_fields__
+    model = tow_system.prepare(tow_system.Parameters(**{k: tow.parameters[k] for k in keys})).model
     for h in STEPS:
         assert exact_step(model.a, model.b, h).spectral_radius < 1.0
 
@@ -60,8 +60,8 @@ def test_every_shipped_step_operator_contracts(name: str) -> None:
 @pytest.mark.slow
 def test_step_operator_of_the_cable_alone_contracts() -> None:
     tow = towing.scene_tows(Scene.load("tow_two_units"))[0]
-    keys = cable_tow_cable.Parameters.__dataclass_fields__
-    model = cable_tow_cable.prepare(cable_tow_cable.Parameters(**{k: tow.parameters[k] for k in keys})).model
+    keys = tow_cable.Parameters.__dataclass_fields__
+    model = tow_cable.prepare(tow_cable.Parameters(**{k: tow.parameters[k] for k in keys})).model
     for h in STEPS:
         assert exact_step(model.a, model.b, h).spectral_radius < 1.0
 
@@ -95,8 +95,8 @@ def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
 
 def test_a_scene_without_a_tow_does_not_import_the_towing_models() -> None:
     program = (
-        "import sys\nfrom towage.master import Master\nfrom towage.scene import Scene\n"
-        "Master(Scene.load('slack')).run()\nsys.exit('towage.towing' in sys.modules)"
+        "import sys\nfrom towage.master.master import Master\nfrom towage.scene.scene import Scene\n"
+        "Master(Scene.load('slack')).run()\nsys.exit('towage.checks.towing' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
 

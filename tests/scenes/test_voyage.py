@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from towage.master import Master
-from towage.models import voyage
-from towage.models.route import plan
-from towage.result import Result
-from towage.route_file import load
-from towage.route_output import unit_parameters
-from towage.scene import Scene
+from towage.master.master import Master
+from towage.models.route import voyage
+from towage.models.route.plan import plan
+from towage.result.result import Result
+from towage.routing.file import load
+from towage.routing.output import unit_parameters
+from towage.scene.scene import Scene
 
 BEST, STRAIGHT = "best route", "straight route"
 

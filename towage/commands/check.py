@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import Any
 
-from . import common
+from towage.commands import common
 
 HELP = "check before a run whether scheme and step carry the coupling"
 
@@ -20,11 +20,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if every case may run, 2 if one is refused, 3 if a unit fails in its initialisation."""
-    from ..cli import complain
-    from ..errors import TowageError
+    from towage.cli import complain
+    from towage.errors import TowageError
 
     scene, names = common.load(arguments)
-    from ..worker import check_isolated
+    from towage.process.worker import check_isolated
 
     code = 0
     document: list[dict[str, Any]] = []

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
-    from ..scene import Scene
+    from towage.scene.scene import Scene
 
 EXCLUSIVE = {"coupling.step": "coupling.tolerance", "coupling.tolerance": "coupling.step"}
 
@@ -86,9 +86,9 @@ def load(arguments: argparse.Namespace) -> tuple[Scene, list[str | None]]:
     Every case is checked against the descriptions of the units, and the FMUs that are wanted are built. Raises
     `SceneError` and `FmuError`.
     """
-    from ..flavour import resolve
-    from ..scene import Scene
-    from ..store import locator
+    from towage.scene.flavour import resolve
+    from towage.scene.scene import Scene
+    from towage.units.store import locator
 
     scene = Scene.load(arguments.scene)
     if arguments.set:
@@ -119,8 +119,8 @@ def override(scene: Scene, values: dict[str, Any]) -> Scene:
     """The scene with ``values``, which prevail over those of its cases; its source says so. Raises `SceneError`."""
     from msgspec.structs import replace
 
-    from ..errors import SceneError
-    from ..scene import Case
+    from towage.errors import SceneError
+    from towage.scene.scene import Case
 
     option = "--set"
     try:

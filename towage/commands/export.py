@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import common
+from towage.commands import common
 
 HELP = "write a scene as a system of OSP or SSP, for another host"
 
@@ -43,9 +43,9 @@ def execute(arguments: argparse.Namespace) -> int:
     """0."""
     from msgspec.structs import replace
 
-    from ..export import prepare
-    from ..flavour import resolve
-    from ..scene import Scene
+    from towage.export.export import prepare
+    from towage.scene.flavour import resolve
+    from towage.scene.scene import Scene
 
     scene = Scene.load(arguments.scene)
     if arguments.set:
@@ -53,12 +53,12 @@ def execute(arguments: argparse.Namespace) -> int:
     one = replace(scene.case(arguments.case) if arguments.case else scene, cases=())
     export = prepare(resolve(one, arguments.fmus, arguments.flavour, lambda text: print(text, file=sys.stderr)))
     if arguments.osp:
-        from ..export_osp import write_osp
+        from towage.export.osp import write_osp
 
         names = ", ".join(path.name for path in write_osp(export, arguments.osp))
         print(f"written to {arguments.osp}: {names}")
     else:
-        from ..export_ssp import write_ssp
+        from towage.export.ssp import write_ssp
 
         write_ssp(export, arguments.ssp)
         print(f"written to {arguments.ssp}")

@@ -16,9 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0."""
-    from ..fmus import UNITS
-    from ..fmus.unit import load
-    from ..scene import available_scenes
+    from towage.fmus import UNITS
+    from towage.fmus.declare.unit import load
+    from towage.scene.scene import available_scenes
 
     scenes = {scene.name: scene.title for scene in available_scenes()}
     declared = [load(name) for name in UNITS]

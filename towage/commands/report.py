@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0."""
-    from ..report_compare import runs_of, write_comparison
+    from towage.report.compare import runs_of, write_comparison
 
     runs = runs_of(arguments.runs)
     for name, result in runs:

@@ -9,10 +9,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import common
+from towage.commands import common
 
 if TYPE_CHECKING:
-    from ..towing import Gain, SceneTow
+    from towage.checks.towing import Gain, SceneTow
 
 HELP = "frequency response and steady shape of a scene's tow"
 
@@ -56,10 +56,10 @@ def execute(arguments: argparse.Namespace) -> int:
     """0. Raises `SceneError` where the scene has no tow or one that the theory refuses."""
     import numpy as np
 
-    from ..errors import SceneError, TowageError
-    from ..scene import Scene
-    from ..towing import gains, scene_tows, spring_check, tolerance_of
-    from ..towing_plots import cable_plot, response_plot
+    from towage.checks.towing import gains, scene_tows, spring_check, tolerance_of
+    from towage.errors import SceneError, TowageError
+    from towage.frequency_response.plots import cable_plot, response_plot
+    from towage.scene.scene import Scene
 
     if not arguments.first < arguments.last:
         raise SceneError(f"--from {arguments.first:g} --to {arguments.last:g}: expected a rising range of frequencies")
@@ -108,7 +108,7 @@ def _row(g: Gain) -> dict[str, float | None]:
 
 
 def _write_csv(path: Path, rows: list[Gain]) -> None:
-    from ..files import atomic_write
+    from towage.process.files import atomic_write
 
     table = [_row(r) for r in rows]
     lines = [",".join(table[0])] + [",".join("" if v is None else repr(v) for v in row.values()) for row in table]

@@ -40,10 +40,10 @@ def _hours(text: str) -> float:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 with a route; every reason for having none is a `TowageError`."""
-    from ..errors import SceneError, TowageError
-    from ..models.route import RouteError, plan
-    from ..route_file import load
-    from ..route_output import HOUR, MILE, draw, parameters_text, unit_parameters, write_csv
+    from towage.errors import SceneError, TowageError
+    from towage.models.route.plan import RouteError, plan
+    from towage.routing.file import load
+    from towage.routing.output import HOUR, MILE, draw, parameters_text, unit_parameters, write_csv
 
     if arguments.map and arguments.map.suffix.lower() not in (".svg", ".png", ".pdf"):
         raise SceneError(f"--map {arguments.map}: expected a name that ends in .svg, .png or .pdf")

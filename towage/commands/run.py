@@ -8,11 +8,11 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import common
+from towage.commands import common
 
 if TYPE_CHECKING:
-    from ..result import Result
-    from ..scene import Scene
+    from towage.result.result import Result
+    from towage.scene.scene import Scene
 
 HELP = "run the cases of a scene and judge them"
 LONGEST_NAME = 100
@@ -40,12 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if every case was done, 2 if one was refused, 3 if one failed, 130 if interrupted."""
-    from ..cli import INTERRUPTED, complain
-    from ..errors import RunError, SceneError, TowageError
+    from towage.cli import INTERRUPTED, complain
+    from towage.errors import RunError, SceneError, TowageError
 
     scene, names = common.load(arguments)
-    from ..report import text_summary, write_report
-    from ..worker import Interrupted
+    from towage.process.worker import Interrupted
+    from towage.report.page import text_summary, write_report
 
     stem = scene.file.stem if scene.file else "scene"
     out = arguments.out or Path("out", stem)
@@ -95,9 +95,9 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _run(scene: Scene, name: str | None, label: str, arguments: argparse.Namespace) -> Result:
     """One case; a unit that cannot be initialised is a failed result too."""
-    from ..errors import RunError
-    from ..progress import progress
-    from ..worker import run_isolated
+    from towage.errors import RunError
+    from towage.process.progress import progress
+    from towage.process.worker import run_isolated
 
     stop = (scene.case(name) if name else scene).stop_time
     try:
@@ -111,7 +111,7 @@ def _run(scene: Scene, name: str | None, label: str, arguments: argparse.Namespa
                 arguments.flavour,
             )
     except RunError as error:
-        from ..master import Master
+        from towage.master.master import Master
 
         return Master(scene, name, arguments.fmus, arguments.flavour).salvage(None, str(error))
 

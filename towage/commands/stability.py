@@ -8,10 +8,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import common
+from towage.commands import common
 
 if TYPE_CHECKING:
-    from ..stability import Row, Towed
+    from towage.tow_stability.stability import Row, Towed
 
 HELP = "critical tow speeds of a scene's towed slender body"
 MAPS = ("tail_cut", "rope_length", "slenderness")
@@ -55,9 +55,9 @@ def _speed(text: str) -> float:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0. Raises `SceneError` where the scene has no slender body or one that no theory holds for."""
-    from ..errors import SceneError, TowageError
-    from ..scene import Scene
-    from ..stability import bodies, row
+    from towage.errors import SceneError, TowageError
+    from towage.scene.scene import Scene
+    from towage.tow_stability.stability import bodies, row
 
     scene = Scene.load(arguments.scene)
     if arguments.set:
@@ -87,9 +87,9 @@ def execute(arguments: argparse.Namespace) -> int:
 def _draw(towed: Towed, arguments: argparse.Namespace, out: Path) -> list[Path]:
     import numpy as np
 
-    from ..progress import progress
-    from ..stability import argand, default_values, stability_map
-    from ..stability_plots import argand_plot, map_plot
+    from towage.process.progress import progress
+    from towage.tow_stability.plots import argand_plot, map_plot
+    from towage.tow_stability.stability import argand, default_values, stability_map
 
     prefix = f"{towed.name}_"
     speeds = np.linspace(0.05, arguments.u_max, round(20 * arguments.u_max))
@@ -110,7 +110,7 @@ def _draw(towed: Towed, arguments: argparse.Namespace, out: Path) -> list[Path]:
 
 
 def _write_csv(path: Path, parameter: str, rows: list[Row], towed: Towed) -> None:
-    from ..files import atomic_write
+    from towage.process.files import atomic_write
 
     lines = [f"{parameter},kind,u,tow_speed_m_s,omega_rad_s,growth_above"]
     for r in rows:
@@ -140,7 +140,7 @@ def _document(towed: Towed, limits: Row, files: list[Path]) -> dict[str, Any]:
 
 
 def _text(towed: Towed, limits: Row, u_max: float) -> str:
-    from ..models.slender_rigid import neutral_tail_cut, yaw_criterion
+    from towage.models.slender.rigid import neutral_tail_cut, yaw_criterion
 
     v = towed.speed_scale
     lines = [f"{towed.name}: speeds up to {u_max * v:.4g} m/s (u = {u_max:g}; u = 1 is {v:.4g} m/s)"]

@@ -8,13 +8,13 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import common
+from towage.commands import common
 
 if TYPE_CHECKING:
-    from ..scene import Scene
-    from ..sweep import Sweep
-    from ..sweep_design import Design
-    from ..sweep_table import Table
+    from towage.scene.scene import Scene
+    from towage.sweeps.design import Design
+    from towage.sweeps.sweep import Sweep
+    from towage.sweeps.table import Table
 
 HELP = "run a scene for many values"
 PARTLY_FAILED = 4
@@ -75,9 +75,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
-    from ..cli import INTERRUPTED, complain
-    from ..errors import SceneError, TowageError
-    from ..sweep import Sweep
+    from towage.cli import INTERRUPTED, complain
+    from towage.errors import SceneError, TowageError
+    from towage.sweeps.sweep import Sweep
 
     loaded, names = common.load(arguments)
     if len(names) > 1:
@@ -101,7 +101,7 @@ def execute(arguments: argparse.Namespace) -> int:
         kept = f"finished runs are kept in {out}: continue with --resume" if by_runs else "an ensemble keeps no part"
         complain(f"interrupted; {kept}")
         return INTERRUPTED
-    from ..sweep_report import text_summary, write_report
+    from towage.sweeps.report import text_summary, write_report
 
     files = [out / "table.npz", out / "table.csv"]
     table.save_npz(files[0])
@@ -116,8 +116,8 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _design(arguments: argparse.Namespace, scene: Scene) -> Design:
-    from ..errors import SceneError
-    from ..sweep_design import grid, sobol
+    from towage.errors import SceneError
+    from towage.sweeps.design import grid, sobol
 
     if arguments.sobol != (arguments.samples is not None):
         raise SceneError("--sobol and --samples N go together", key="--sobol")
@@ -127,7 +127,7 @@ def _design(arguments: argparse.Namespace, scene: Scene) -> Design:
 
 
 def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
-    from ..progress import Bar, progress
+    from towage.process.progress import Bar, progress
 
     bars: list[Bar] = []
     with contextlib.ExitStack() as shown:
@@ -143,9 +143,9 @@ def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
 def _run_ensemble(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
     from msgspec.structs import replace
 
-    from ..errors import SceneError
-    from ..sweep import JOURNAL
-    from ..sweep_ensemble import SAMPLE, by_ensemble
+    from towage.errors import SceneError
+    from towage.sweeps.ensemble import SAMPLE, by_ensemble
+    from towage.sweeps.sweep import JOURNAL
 
     if (out / JOURNAL).exists():
         raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
@@ -156,7 +156,7 @@ def _run_ensemble(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Tab
 
 def _refuse_options(arguments: argparse.Namespace) -> None:
     """Options that the engine would ignore. Raises `SceneError`."""
-    from ..errors import SceneError
+    from towage.errors import SceneError
 
     if arguments.engine == "runs":
         if arguments.sample is not None:
@@ -172,9 +172,9 @@ def _refuse_options(arguments: argparse.Namespace) -> None:
 
 def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
     """(variable, value in its unit). Raises `SceneError`."""
-    from ..errors import SceneError
-    from ..fmus.quantities import QuantityError, parse_quantity
-    from ..scene import suggest
+    from towage.errors import SceneError
+    from towage.fmus.declare.quantities import QuantityError, parse_quantity
+    from towage.scene.scene import suggest
 
     name, separator, value = (part.strip() for part in text.partition("="))
     if not separator or name not in recorded:
@@ -193,7 +193,7 @@ def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
 def _document(table: Table, limits: list[tuple[str, float]], files: list[Path]) -> dict[str, object]:
     from collections import Counter
 
-    from ..sweep_report import share_under
+    from towage.sweeps.report import share_under
 
     return {
         "runs": len(table.status),

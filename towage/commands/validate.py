@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from . import common
+from towage.commands import common
 
 HELP = "check scene files: structure, names, units, connections"
 
@@ -18,10 +18,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all are right, 2 if one is not."""
-    from ..cli import complain
-    from ..errors import TowageError
-    from ..scene import Scene
-    from ..store import locator
+    from towage.cli import complain
+    from towage.errors import TowageError
+    from towage.scene.scene import Scene
+    from towage.units.store import locator
 
     code, locate = 0, locator(arguments.fmus)
     for name in arguments.scenes:

@@ -20,8 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if every case agrees, 1 if one does not. Raises `SceneError` for a bad file and where there is no case."""
-    from ..errors import SceneError
-    from ..verify import SOLVERS, verify
+    from towage.errors import SceneError
+    from towage.verify.verify import SOLVERS, verify
 
     for kind in arguments.kind or ():
         if kind not in SOLVERS:

@@ -1,11 +1,11 @@
 /* Members of an ensemble, LANES at a time: every lane has its own time, step, branch and events, and all go through the same
- * instructions. A step is as in models/integrate.py, by the tableau that model.h holds: steps under error control that end
+ * instructions. A step is as in models/numeric/integrate.py, by the tableau that model.h holds: steps under error control that end
  * on the times of the table, on time events, and just beyond the zeros of indicators.
  *
  * A zero is sought on the cubic through both ends of a step, and the step is repeated to end there, until its end is where
  * the zero is. The cubic is exact at both ends, so that two repetitions find what bracketing by steps finds in six.
  *
- * model.h, written by fmus/ensemble.py: NQ parameters and inputs, NC values that follow from them alone, NX states, NM modes,
+ * model.h, written by fmus/native/ensemble/build.py: NQ parameters and inputs, NC values that follow from them alone, NX states, NM modes,
  * NG indicators, NY observed variables, and the functions model_*, among them the stages of the method. */
 #include "model.h"
 

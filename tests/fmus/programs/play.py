@@ -18,7 +18,7 @@ if "--import" in directories:
     *directories, _, tree = directories
     sys.path.insert(0, tree)
     for module in (
-        "towage.fmus.python_slave",
+        "towage.fmus.python.slave",
         "towage.fmus.ship",
         "towage.fmus.cradle_on_line",
         "towage.fmus.spring_line",

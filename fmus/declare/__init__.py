@@ -1,0 +1,1 @@
+"""What a unit declares: its variables, their units of measure, scenes as units."""

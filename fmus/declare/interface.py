@@ -1,0 +1,90 @@
+"""What an FMU shows: the variables that both flavours share and, for the native one, its continuous states, their
+derivatives and the extras of a linear unit, in the order of ``native/runtime/unit.h``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from .unit import Unit, Variable, local, per_second
+
+Positions = tuple[tuple[int, ...], ...]
+"""For each of several things, the positions of others on which it depends."""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A unit's variables; value references are positions in `variables`. Only the native flavour has anything but the
+    unit.
+
+    ``states`` are the continuous states, named as in the model, ``reinit`` whether an event may change them;
+    ``derivative_inputs`` and ``derivative_states`` tell on which inputs and states each derivative depends and
+    ``observed_states`` on which states each observed variable does; ``structure`` holds the values of the structural
+    parameters, which the build fixed.
+    """
+
+    unit: Unit
+    states: tuple[Variable, ...] = ()
+    extras: tuple[Variable, ...] = ()
+    indicators: int = 0
+    reinit: tuple[bool, ...] = ()
+    derivative_inputs: Positions = ()
+    derivative_states: Positions = ()
+    observed_states: Positions = ()
+    structure: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def shared(self) -> tuple[Variable, ...]:
+        """The unit's own variables; a structural parameter has the value of the build and no other."""
+        return tuple(
+            replace(v, start=self.structure[v.name], min=self.structure[v.name], max=self.structure[v.name])
+            if v.name in self.structure else v
+            for v in self.unit.variables
+        )  # fmt: skip
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """All of them: shared, states, derivatives of the states, extras."""
+        states = tuple(
+            local(f"state.{v.name}", v.unit, v.description, display=v.display, nominal=v.nominal) for v in self.states
+        )
+        rates = tuple(local(f"der({v.name})", per_second(v.unit), f"Time derivative of {v.name}") for v in states)
+        return self.shared + states + rates + self.extras
+
+    @property
+    def first_state(self) -> int:
+        """Value reference of the first state."""
+        return len(self.unit.variables)
+
+    @property
+    def first_derivative(self) -> int:
+        """Value reference of the first state's derivative."""
+        return self.first_state + len(self.states)
+
+    @property
+    def first_extra(self) -> int:
+        """Value reference of the first extra."""
+        return self.first_derivative + len(self.states)
+
+    def depends(self, reference: int) -> list[int]:
+        """Value references of the inputs and states that act without delay on an observed variable or a derivative.
+        Those of observed variables are declared, as an event may act through a mode."""
+        unit = self.unit
+        first_input = unit.index[unit.inputs[0].name] if unit.inputs else 0
+        if reference < self.first_state:
+            inputs = [unit.index[name] for name in unit.variables[reference].depends]
+            position = reference - (self.first_state - len(unit.observed))
+            states = self.observed_states[position] if self.observed_states else ()
+        else:
+            position = reference - self.first_derivative
+            inputs = [first_input + k for k in self.derivative_inputs[position]]
+            states = self.derivative_states[position]
+        return inputs + [self.first_state + k for k in states]
+
+
+def declared_states(unit: Unit) -> tuple[Variable, ...]:
+    """The states of the model in its own order, each from ``unit.states`` or the output of its name."""
+    known = {v.name: v for v in unit.observed + unit.states}
+    return tuple(known[name] for name in unit.model.State._fields)

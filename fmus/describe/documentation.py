@@ -1,0 +1,89 @@
+"""What an FMU tells about itself: a page from its declaration and its model's docstring, and a reference result."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from ..declare.unit import Unit, Variable
+from ..python.instance import Instance
+
+REFERENCE_STEP = 0.1
+REFERENCE_STEPS = 100
+
+
+def documentation_page(unit: Unit, variables: Sequence[Variable] | None = None) -> str:
+    """Self-contained HTML. ``variables``: those of the flavour, if it has more than the unit's."""
+    return (
+        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+        f"<title>{escape(unit.name)}</title><style>body{{font:16px/1.5 system-ui;max-width:62rem;margin:2rem auto;"
+        "padding:0 1rem}table{border-collapse:collapse}td,th{border:1px solid #bbb;padding:.2rem .5rem;text-align:left}"
+        "pre{background:#f4f4f4;padding:1rem;overflow-x:auto;color:#111}</style></head><body>"
+        f"<h1>{escape(unit.name)}</h1><p>{escape(unit.description)}.</p>"
+        f"<pre>{escape((unit.model.__doc__ or '').strip())}</pre>\n"
+        + "".join(_table(title, variables) for title, variables in variable_groups(unit, variables))
+        + f"<p><code>{escape(unit.name)}_ref.csv</code> holds a reference result: {escape(reference_text(unit))}</p>"
+        "</body></html>\n"
+    )
+
+
+def variable_groups(
+    unit: Unit, variables: Sequence[Variable] | None = None
+) -> list[tuple[str, list[Variable]]]:
+    """Variables under the headings of the documentation; input derivatives are left to the text."""
+    titles = {
+        "parameter": "Parameters", "input": "Inputs", "output": "Outputs",
+        "calculatedParameter": "Calculated parameters", "local": "Local variables",
+    }  # fmt: skip
+    shown = [v for v in variables or unit.variables if v not in unit.input_derivatives]
+    return [(title, [v for v in shown if v.causality == causality]) for causality, title in titles.items()]
+
+
+def _table(title: str, variables: list[Variable]) -> str:
+    if not variables:
+        return ""
+    rows = "".join(
+        f"<tr><td><code>{escape(v.name)}</code></td><td>{escape(v.unit)}</td>"
+        f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{escape(v.description)}</td></tr>\n"
+        for v in variables
+    )
+    return f"<h2>{title}</h2><table><tr><th>name</th><th>unit</th><th>start</th><th>meaning</th></tr>\n{rows}</table>\n"
+
+
+def reference_text(unit: Unit) -> str:
+    """How the reference result was made."""
+    start = ", ".join(f"{k} = {v:g}" for k, v in unit.start.items())
+    inputs = ", ".join(f"{k}(t) = {a:g} sin({w:g} t)" for k, (a, w) in unit.reference_inputs.items())
+    return (
+        f"{start}; {inputs}, set with its three derivatives every {REFERENCE_STEP:g} s. "
+        "The first columns are the inputs, the others the outputs."
+    )
+
+
+def reference_result(unit: Unit) -> str:
+    """CSV of the reference run, as the unit itself computes it."""
+    instance = Instance(unit)
+    instance.set_values([unit.index[k] for k in unit.start], list(unit.start.values()))
+    instance.set_up(0.0, None)
+    instance.enter_initialization()
+    instance.exit_initialization()
+    references, signals = [], []
+    for name, (amplitude, omega) in unit.reference_inputs.items():
+        references += [unit.index[name]] + [unit.index[f"{name}_d{k}"] for k in (1, 2, 3)]
+        signals.append((amplitude, omega))
+    inputs = references[::4]
+    outputs = [i for i, v in enumerate(unit.variables) if v.causality == "output"]
+    lines = ["time," + ",".join(unit.variables[i].name for i in inputs + outputs)]
+    for k in range(REFERENCE_STEPS + 1):
+        t = k * REFERENCE_STEP
+        instance.set_values(references, [value for a, w in signals for value in _sine(a, w, t)])
+        lines.append(",".join(f"{value!r}" for value in [t, *instance.get_values(inputs + outputs)]))
+        instance.do_step(t, REFERENCE_STEP)
+    return "\n".join(lines) + "\n"
+
+
+def _sine(amplitude: float, omega: float, t: float) -> list[float]:
+    """a sin(omega t) and its first three derivatives."""
+    s, c = amplitude * math.sin(omega * t), amplitude * math.cos(omega * t)
+    return [s, omega * c, -omega * omega * s, -omega * omega * omega * c]

@@ -1,0 +1,112 @@
+"""``modelDescription.xml`` (FMI 3.0) of a unit's native flavour: model exchange and co-simulation.
+
+The variables are those of the FMI 2 description with the same value references, but the elements of an array have one
+variable, with the reference of the first. Two follow that only FMI 3 has: the independent variable ``time`` and the event
+indicators. ``native/runtime/fmi3.c`` reads references the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from xml.etree.ElementTree import Element, SubElement
+
+from ..declare.arrays import array_name, array_of, lengths
+from ..declare.interface import Interface
+from ..declare.unit import Variable
+from .fmi2 import document, number, preamble, root_element
+
+BOTH = {
+    "needsExecutionTool": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canGetAndSetFMUState": "true",
+    "canSerializeFMUState": "true",
+    "providesDirectionalDerivatives": "true",
+    "providesAdjointDerivatives": "true",
+    "providesPerElementDependencies": "false",
+}
+MODEL_EXCHANGE = BOTH | {"needsCompletedIntegratorStep": "false", "providesEvaluateDiscreteStates": "false"}
+CO_SIMULATION = BOTH | {
+    "canHandleVariableCommunicationStepSize": "true",
+    "maxOutputDerivativeOrder": "1",
+    "providesIntermediateUpdate": "false",
+    "mightReturnEarlyFromDoStep": "false",
+    "hasEventMode": "false",
+}
+"""What the units can do."""
+TIME = Variable("time", "s", "Simulation time", causality="independent", variability="continuous")
+
+
+def model_description3(interface: Interface, identifier: str, token: str) -> bytes:
+    """The XML document."""
+    unit, variables = interface.unit, interface.variables
+    root = root_element(unit, "3.0", instantiationToken=token)
+    SubElement(root, "ModelExchange", {"modelIdentifier": identifier, **MODEL_EXCHANGE})
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **CO_SIMULATION})
+    preamble(root, (*variables, TIME))
+    node, counts = SubElement(root, "ModelVariables"), lengths(variables)
+    for reference, count in enumerate(counts):
+        if count:
+            element = _variable(node, reference, variables[reference : reference + count])
+            state = reference - interface.first_state
+            if 0 <= state < len(interface.states) and any(interface.reinit[state : state + count]):
+                element.set("reinit", "true")
+            if interface.first_derivative <= reference < interface.first_extra:
+                element.set("derivative", str(reference - len(interface.states)))
+    time = len(variables)
+    SubElement(
+        node, "Float64", name=TIME.name, valueReference=str(time), description=TIME.description, causality=TIME.causality,
+        variability=TIME.variability, unit=TIME.unit,
+    )  # fmt: skip
+    if interface.indicators:
+        indicators = SubElement(
+            node, "Float64", name="event_indicator", valueReference=str(time + 1), causality="local",
+            variability="continuous", initial="calculated", description="Changes sign where a branch of the model changes",
+        )  # fmt: skip
+        _dimension(indicators, interface.indicators)
+    _structure(SubElement(root, "ModelStructure"), interface, counts)
+    return document(root)
+
+
+def _variable(parent: Element, reference: int, elements: Sequence[Variable]) -> Element:
+    """A scalar, or an array of which only what all ``elements`` share is said."""
+    v = elements[0]
+    attributes = {"name": v.name if len(elements) == 1 else array_name(v.name), "valueReference": str(reference)}
+    for key in ("description", "causality", "variability", "unit", "display", "min", "max", "nominal", "start"):
+        value = getattr(v, key)
+        if value is not None and all(getattr(each, key) == value for each in elements):
+            attributes["displayUnit" if key == "display" else key] = value if isinstance(value, str) else number(value)
+    if "description" not in attributes:
+        attributes["description"] = f"{v.description}, and so on"
+    if v.causality != "input":
+        attributes["initial"] = "exact" if v.causality == "parameter" else "calculated"
+    element = SubElement(parent, "Float64", attributes)
+    _dimension(element, len(elements))
+    return element
+
+
+def _dimension(element: Element, count: int) -> None:
+    if count > 1:
+        SubElement(element, "Dimension", start=str(count))
+
+
+def _structure(node: Element, interface: Interface, counts: Sequence[int]) -> None:
+    declared = [(i, v) for i, (v, count) in enumerate(zip(interface.variables, counts)) if count]
+    outputs = [i for i, v in declared if v.causality == "output"]
+    states = [i for i, _ in declared if interface.first_state <= i < interface.first_derivative]
+    derivatives = [i for i, _ in declared if interface.first_derivative <= i < interface.first_extra]
+    calculated = [i for i, v in declared if v.causality == "calculatedParameter"]
+    time = len(interface.variables)
+
+    def known(elements: Iterable[int]) -> str:
+        """On what any of the elements depends; on time, as far as is known, each may."""
+        found = {array_of(counts, k) for i in elements for k in interface.depends(i)}
+        return " ".join(map(str, [*sorted(found), time]))
+
+    for title, references in (("Output", outputs), ("ContinuousStateDerivative", derivatives)):
+        for i in references:
+            SubElement(node, title, valueReference=str(i), dependencies=known(range(i, i + counts[i])))
+    # no dependencies: on all that is known, parameters too
+    for i in sorted([*outputs, *calculated, *states, *derivatives]):
+        SubElement(node, "InitialUnknown", valueReference=str(i))
+    if interface.indicators:
+        SubElement(node, "EventIndicator", valueReference=str(time + 1))

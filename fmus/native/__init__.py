@@ -1,0 +1,1 @@
+"""The native flavour: the model traced to C, compiled with a runtime."""

@@ -1,0 +1,1 @@
+"""Many members of one composed scene in one compiled program."""

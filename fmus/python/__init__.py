@@ -1,0 +1,1 @@
+"""The Python flavour: an FMU around the model itself."""

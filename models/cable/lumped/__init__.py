@@ -1,0 +1,1 @@
+"""The tow in time: lumped cable, linear models of it and their reduction, the nonlinear cable."""

@@ -1,0 +1,188 @@
+"""Smaller linear models of a tow cable, each with its measured error.
+
+Two methods, one for each kind of model:
+
+* `balanced`: balanced realisation of the cable that keeps its length, the weak states replaced by their static response
+  (singular perturbation): exact at rest and, as a rule, stable. The apparent mass
+  m_app stays as it is.
+* `modal`: elastic cables. The modes that matter in the band are kept, the others replaced by their response to a
+  constant and a linearly growing input (static and acceleration correction: D and E). Balanced truncation fails here:
+  lightly damped axial modes far above the band dominate the Hankel singular values.
+
+The error is the largest over the band, frequency by frequency, of |y_reduced - y|/|y| with the largest component of the
+towpoint's force and of the second pair of outputs (velocity of the body, or force on it), each for every input that counts alone.
+A candidate that is not stable is never returned.
+
+Not to be confused with proper orthogonal decomposition over a band, which gave unstable models here.
+
+Source: singular perturbation of balanced systems, Liu and Anderson, Int. J. Control 50 (1989); modal acceleration,
+Craig, Structural Dynamics (1981), chapter 15.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import matrix_balance, solve_continuous_lyapunov
+
+from ..case import CableError
+from ..steady.perturbation import ComplexArray
+from ..steady.steady import Array
+from .linear import BODY_VELOCITY, FORCE, LinearModel
+
+FREQUENCIES = 40
+"""Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
+BAND_START = 0.02
+"""rad/s; low end of the band, a period of five minutes."""
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """``error``: relative, as the module's text says, up to ``band``, rad/s."""
+
+    model: LinearModel
+    error: float
+    band: float
+
+
+def band_frequencies(band: float, count: int = FREQUENCIES) -> Array:
+    """Angular frequencies, rad/s, up to ``band``."""
+    return np.geomspace(min(BAND_START, 0.1 * band), band, count)
+
+
+def transfer(model: LinearModel, frequencies: Array) -> ComplexArray:
+    """Gains of every output by every input, shape (frequencies, r, m), for exp(-i omega t)."""
+    values, vectors = np.linalg.eig(model.a)
+    left, right = np.linalg.solve(vectors, model.b), model.c @ vectors
+    s = -1j * frequencies
+    gains: ComplexArray = (
+        np.einsum("rn,wn,nm->wrm", right, 1.0 / (s[:, None] - values), left) + model.d + s[:, None, None] * model.e
+    )
+    return gains
+
+
+def relative_error(found: ComplexArray, exact: ComplexArray, inputs: int = 4) -> float:
+    """The measure of the module's text, for the first ``inputs`` of the inputs."""
+    worst = 0.0
+    for rows in (FORCE, BODY_VELOCITY):
+        size = np.abs(exact[:, rows, :inputs]).max(axis=1)
+        difference = np.abs(found[:, rows, :inputs] - exact[:, rows, :inputs]).max(axis=1)
+        keep = size > 0.0
+        worst = max(worst, float((difference[keep] / size[keep]).max(initial=0.0)))
+    return worst
+
+
+def stable(model: LinearModel) -> bool:
+    """Whether every mode decays."""
+    return bool(np.linalg.eigvals(model.a).real.max(initial=-1.0) < 0.0)
+
+
+def reduce(model: LinearModel, tolerance: float, band: float, extensible: bool, inputs: int = 4) -> Reduced:
+    """The smallest model of the method for its kind whose error up to ``band``, rad/s, is at most ``tolerance``; the
+    full model, error 0, where none is. Raises `CableError` for a tolerance or band that is not positive."""
+    if not (tolerance > 0.0 and band > 0.0):
+        raise CableError(f"tolerance {tolerance:g}, band {band:g} rad/s: expected positive numbers")
+    frequencies = band_frequencies(band)
+    exact = transfer(model, frequencies)
+    build = _modal(model, exact, frequencies, inputs) if extensible else _balanced(model, exact, inputs)
+    for states in range(1, len(model.a)):
+        candidate = build(states)
+        if candidate is None or not stable(candidate):
+            continue
+        error = relative_error(transfer(candidate, frequencies), exact, inputs)
+        if error <= tolerance:
+            return Reduced(candidate, error, band)
+    return Reduced(model, 0.0, band)
+
+
+Build = Callable[[int], LinearModel | None]
+
+
+def _balanced(model: LinearModel, exact: ComplexArray, inputs: int) -> Build:
+    """Function of the number of states that gives the reduced model, or None."""
+    rows = np.r_[FORCE, BODY_VELOCITY]
+    # outputs and inputs measured by what passes between them in the band
+    out = 1.0 / np.abs(exact[:, rows, :2]).max(axis=(0, 2))
+    scale = np.ones(inputs)
+    scale[2:] = 1.0 / max(float(np.abs(exact[:, FORCE, 2:4]).max()), 1e-300) / out[0]
+    # momenta beside angles cost the gramians three digits of the error, coordinates of like size none
+    a, (size, _) = matrix_balance(model.a, permute=False, separate=True)
+    all_b, all_c = model.b / size[:, None], model.c * size
+    b, c = all_b[:, :inputs] * scale, all_c[rows] * out[:, None]
+    controllability = _root(solve_continuous_lyapunov(a, -b @ b.T))
+    observability = _root(solve_continuous_lyapunov(a.T, -c.T @ c))
+    u, s, vt = np.linalg.svd(observability.T @ controllability)
+    count = int((s > 1e-12 * s[0]).sum())
+    root = 1.0 / np.sqrt(s[:count])
+    right = controllability @ vt[:count].T * root
+    left = observability @ u[:, :count] * root
+    a, b, c = left.T @ a @ right, left.T @ all_b, all_c @ right
+
+    def build(states: int) -> LinearModel | None:
+        if states >= count:
+            return None
+        k = states
+        slow, fast = slice(0, k), slice(k, count)
+        x, u_fast = (np.linalg.solve(a[fast, fast], m) for m in (a[fast, slow], b[fast]))
+        return replace(
+            model, a=a[slow, slow] - a[slow, fast] @ x, b=b[slow] - a[slow, fast] @ u_fast,
+            c=c[:, slow] - c[:, fast] @ x, d=model.d - c[:, fast] @ u_fast,
+        )  # fmt: skip
+
+    return build
+
+
+def _root(gramian: Array) -> Array:
+    """A factor R with R R' = the gramian."""
+    values, vectors = np.linalg.eigh(0.5 * (gramian + gramian.T))
+    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    return root
+
+
+def _modal(model: LinearModel, exact: ComplexArray, frequencies: Array, inputs: int) -> Build:
+    """Function of the number of states that gives the reduced model, or None where it would split a pair."""
+    values, vectors = np.linalg.eig(model.a)
+    upper = np.flatnonzero(values.imag >= 0.0)
+    left, right = np.linalg.solve(vectors, model.b)[upper], (model.c @ vectors)[:, upper]
+    values, width = values[upper], np.where(values[upper].imag > 0.0, 2, 1)
+    rows = np.r_[FORCE, BODY_VELOCITY]
+    s = -1j * frequencies[:, None]
+    # what a mode leaves behind when static and acceleration correction stand for it: (s/value)^2/(s - value)
+    rest = np.abs((s / values) ** 2 / (s - values))
+    size = np.maximum(np.abs(exact[:, rows, :inputs]).max(axis=1), 1e-300)
+    strength = np.abs(left[:, None, :inputs]) * np.abs(right[rows].T[:, :, None])
+    importance = np.array([
+        (rest[:, i, None] * strength[i].max(axis=0) / size).max() * width[i] for i in range(len(values))
+    ])  # fmt: skip
+    order = np.argsort(-importance)
+    sizes = np.cumsum(width[order])
+
+    def build(states: int) -> LinearModel | None:
+        found = np.flatnonzero(sizes == states)
+        if not len(found):
+            return None
+        kept, gone = order[: found[0] + 1], order[found[0] + 1 :]
+        a, b, c = [], [], []
+        for i in kept:
+            re, im = values[i].real, values[i].imag
+            if width[i] == 1:
+                a.append(np.array([[re]]))
+                b.append(left[i].real[None])
+                c.append(right[:, i].real[:, None])
+            else:
+                a.append(np.array([[re, im], [-im, re]]))
+                b.append(np.stack([left[i].real, -left[i].imag]) * 2.0)
+                c.append(np.stack([right[:, i].real, right[:, i].imag], axis=1))
+        # conjugates double the real part of a pair
+        static = -((right[:, gone] * (width[gone] / values[gone])) @ left[gone]).real
+        acceleration = -((right[:, gone] * (width[gone] / values[gone] ** 2)) @ left[gone]).real
+        block = np.zeros((states, states))
+        row = 0
+        for part in a:
+            block[row : row + len(part), row : row + len(part)] = part
+            row += len(part)
+        return replace(model, a=block, b=np.vstack(b), c=np.hstack(c), d=model.d + static, e=model.e + acceleration)
+
+    return build

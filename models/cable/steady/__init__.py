@@ -1,0 +1,1 @@
+"""The tow over frequency: steady shape, its perturbation, the response along the cable."""

@@ -1,0 +1,1 @@
+"""Models joined into one, without an interface and so without its error."""

@@ -1,0 +1,1 @@
+"""Irregular waves, heave response of a hull, a ship in the sea."""

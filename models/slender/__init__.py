@@ -1,0 +1,1 @@
+"""Towed slender body, flexible or rigid, and the craft before it (McGill thesis)."""

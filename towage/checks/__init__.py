@@ -1,0 +1,1 @@
+"""What is said of a run: checks before it and after it, and the verdict."""

@@ -1,0 +1,232 @@
+"""The tows in a scene: their frequency response, and which model a scene of theirs needs.
+
+Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
+the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
+tolerance: errors of segments and reduction against the frequency domain, error of linearity by a short run of the
+nonlinear cable, as the largest difference of the top tension's waveform over its linear amplitude. `after_run` judges
+the simplest model of all, one degree of freedom on a spring.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from towage.models.cable.case import CableError, Tow
+from towage.models.cable.lumped.fidelity import Chosen, choose
+from towage.models.cable.lumped.linear import tow_elastic
+from towage.models.cable.lumped.nonlinear import nonlinear_cable
+from towage.models.cable.parameters import TowParameters, tow_of
+from towage.models.cable.steady.perturbation import Excitation
+from towage.models.cable.steady.response import mesh, responses
+from towage.models.cable.units import tow_system
+from towage.result.result import Check
+from towage.scene.scene import Scene
+from towage.units.description import Value
+from towage.units.store import locator
+
+UNITS = ("tow_system", "tow_cable", "tow_cable_nonlinear")
+DEFAULT_TOLERANCE = 0.05
+PROBE_SEGMENTS, PROBE_STEPS, PROBE_PERIODS = 6, 40, 7
+"""The short nonlinear run: both models have these segments, so only linearity differs."""
+SPRING = "SDOF on a spring EA/L"
+STIFF = 500.0
+"""EA over the tension at the body where EA is not known."""
+
+
+@dataclass(frozen=True)
+class SceneTow:
+    """A towing unit of a scene: its name, kind, all SI parameters and the tow; ``drive``: (amplitude of the velocity of
+    the towpoint, m/s, angular frequency, rad/s), if a ship of known heave moves it."""
+
+    name: str
+    unit: str
+    parameters: dict[str, float]
+    tow: Tow
+    drive: tuple[float, float] | None
+
+
+def tows(resolved: Any) -> list[SceneTow]:
+    """The towing units of a resolved scene. Raises `CableError` where one makes no sense."""
+    found = []
+    for name, unit in resolved.units.items():
+        kind = unit.description.model_name
+        if kind not in UNITS:
+            continue
+        values = _values(unit)
+        shared = TowParameters(**{f: values[f] for f in TowParameters.__dataclass_fields__})
+        found.append(SceneTow(name, kind, values, tow_of(shared), _drive(resolved, name)))
+    return found
+
+
+def _values(unit: Any) -> dict[str, float]:
+    start = {v.name: v.start for v in unit.description.variables if v.causality == "parameter" and v.start is not None}
+    merged: dict[str, Value] = {**start, **unit.parameters}
+    return {name: float(value) for name, value in merged.items() if isinstance(value, (int, float))}
+
+
+def _drive(resolved: Any, name: str) -> tuple[float, float] | None:
+    for c in resolved.connections:
+        if c.target_unit == name and c.target in ("velocity_heave", "top_velocity_heave"):
+            values = _values(resolved.units[c.source_unit])
+            amplitude, period = values.get("heave_amplitude"), values.get("heave_period")
+            if amplitude and period:
+                omega = 2.0 * math.pi / period
+                return omega * abs(amplitude), omega
+    return None
+
+
+def scene_tows(scene: Scene, fmus: Path | None = None) -> list[SceneTow]:
+    """`tows` of a scene whose FMUs are in ``fmus`` or built when needed."""
+    return tows(scene.resolve(locator(fmus)))
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Complex amplitudes for one metre of heave of the towpoint (Quadrant I) or 1 N of lift on the body (Quadrant II), as
+    Re(q exp(-i omega t)): tensions, N, and displacement of the body, m; ``spring``: its heave on a spring EA/L alone."""
+
+    omega: float
+    tension_top: complex
+    tension_body: complex
+    body_surge: complex
+    body_heave: complex
+    spring: float | None
+
+
+def gains(tow: Tow, omegas: list[float]) -> list[Gain]:
+    """Gains over frequency, rad/s, on one mesh."""
+    state = mesh(tow, max(omegas))
+    excitation = Excitation(heave=1.0) if tow.quadrant == 1 else Excitation(lift=1.0)
+    found = []
+    for omega in omegas:
+        r = responses(tow, omega, [excitation], state)[0]
+        x, y = r.displacement
+        found.append(
+            Gain(
+                omega,
+                complex(r.tension[-1, -1]),
+                complex(r.tension[0, 0]),
+                complex(x[0, 0]),
+                complex(y[0, 0]),
+                spring_gain(tow, omega),
+            )
+        )
+    return found
+
+
+def spring_gain(tow: Tow, omega: float) -> float | None:
+    """|heave| of the body per heave of the towpoint by the single-degree-of-freedom model, K = EA/L, no drag; None in
+    Quadrant II or where EA is not known. 1 - omega^2 M/K may vanish: then it is infinite."""
+    if tow.quadrant == 2 or not math.isfinite(tow.cable.axial_stiffness):
+        return None
+    stiffness = tow.cable.axial_stiffness / tow.cable.length
+    rest = abs(1.0 - omega**2 * (tow.body.mass + tow.body.added_mass_heave) / stiffness)
+    return 1.0 / rest if rest else math.inf
+
+
+def linearity_error(tow: Tow, velocity: float, omega: float, quadratic_drag: bool) -> float:
+    """Largest error of the linear top tension over its amplitude, over a period, for a towpoint that heaves with this
+    velocity amplitude, m/s. Raises `CableError` where the nonlinear run fails."""
+    if not math.isfinite(tow.cable.axial_stiffness):
+        tow = replace(tow, cable=replace(tow.cable, axial_stiffness=STIFF * tow.end_tension))
+    cable, linear = nonlinear_cable(tow, PROBE_SEGMENTS, quadratic_drag), tow_elastic(tow, PROBE_SEGMENTS)
+    step = 2.0 * math.pi / omega / PROBE_STEPS
+    total = PROBE_PERIODS * PROBE_STEPS
+
+    def motion(t: float) -> Any:
+        s = min(1.0, t / (3 * PROBE_STEPS * step))
+        return np.array([0.0, velocity * s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * math.cos(omega * t), 0.0, 0.0])
+
+    state, truth = cable.start(), []
+    for k in range(total):
+        state = cable.step(k * step, step, state, motion)
+        truth.append(cable.tensions(state)[-1])
+    times = step * np.arange(1, total + 1)[-PROBE_STEPS:]
+    gain = complex(linear.response(omega, np.array([0.0, velocity, 0.0, 0.0]))[7 + PROBE_SEGMENTS])
+    wave = (gain * np.exp(-1j * omega * times)).real + cable.chain.tension[-1]
+    return float(np.abs(np.array(truth[-PROBE_STEPS:]) - wave).max() / abs(gain))
+
+
+def tolerance_of(scene: Scene) -> float:
+    """The relative error that a scene allows."""
+    return scene.checks.sdof.tolerance if scene.checks.sdof else DEFAULT_TOLERANCE
+
+
+def before_run(resolved: Any) -> list[Check]:
+    """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones."""
+    found = []
+    for tow in tows(resolved):
+        if tow.drive and tow.unit != "tow_cable":
+            found.append(_fidelity(tow, tow.drive, tolerance_of(resolved.scene)))
+    return found
+
+
+def after_run(resolved: Any) -> list[Check]:
+    """Whether one degree of freedom on a spring EA/L stands for every tow of a scene. The word judges that model, not
+    the run, whose verdict it leaves alone."""
+    tolerance = tolerance_of(resolved.scene)
+    try:
+        found = [spring_check(tow, tolerance) for tow in tows(resolved)]
+    except CableError as error:
+        # a run that is done keeps its result
+        found = [Check(SPRING, "warning", None, tolerance, f"not judged: {error}")]
+    return [check for check in found if check]
+
+
+def spring_check(tow: SceneTow, tolerance: float) -> Check | None:
+    """Body on a spring EA/L against body on the cable, at the frequency of the ship's heave; None where there is no such
+    spring or no ship. Relative error of the body's heave: valid within ``tolerance``, marginal within twice that. Raises
+    `CableError` where the response is refused."""
+    if tow.drive is None or spring_gain(tow.tow, tow.drive[1]) is None:
+        return None
+    gain = gains(tow.tow, [tow.drive[1]])[0]
+    assert gain.spring is not None
+    right = abs(gain.body_heave)
+    off = abs(gain.spring / right - 1.0) if right else math.inf
+    word = "valid" if off <= tolerance else "marginal" if off <= 2.0 * tolerance else "invalid"
+    return Check(
+        SPRING, "ok" if word == "valid" else "info", off, tolerance,
+        f"{word}: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} heaves {gain.spring:.4g} m per metre "
+        f"of the towpoint, on the cable {right:.4g} m",
+    )  # fmt: skip
+
+
+def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Check:
+    velocity, omega = drive
+    p = tow.parameters
+    name = f"fidelity of {tow.name}"
+    try:
+        nonlinear = linearity_error(tow.tow, velocity, omega, p["body_quadratic_drag"] > 0.5)
+        if tow.unit == "tow_system":
+            keys = tow_system.Parameters.__dataclass_fields__
+            reduced = tow_system.prepare(tow_system.Parameters(**{k: p[k] for k in keys})).chosen
+        else:
+            extensible = math.isfinite(tow.tow.cable.axial_stiffness)
+            reduced = choose(tow.tow, extensible, max(omega * 1.5, 1e-3), min(0.5, wanted))
+    except CableError as error:
+        return Check(name, "warning", None, wanted, f"not judged: {error}")
+    full = unreduced_error(tow.tow, reduced, omega)
+    errors = {"linear reduced": nonlinear + reduced.error, "linear full": nonlinear + full, "nonlinear": 0.0}
+    need = next(k for k, e in errors.items() if e <= wanted)
+    listed = ", ".join(f"{k} {e:.2g}" for k, e in errors.items() if k != "nonlinear")
+    used = (
+        "nonlinear" if tow.unit == "tow_cable_nonlinear" else "linear full" if p["reduced"] < 0.5 else "linear reduced"
+    )
+    order = list(errors)
+    enough = order.index(used) >= order.index(need)
+    return Check(
+        name, "ok" if enough else "warning", errors[used], wanted,
+        f"v/c = {velocity / tow.tow.speed:.2g}; relative errors: {listed} (of these {nonlinear:.2g} of linearity); "
+        f"tolerance {wanted:g}: {need} is enough, the scene has {used}",
+    )  # fmt: skip
+
+
+def unreduced_error(tow: Tow, reduced: Chosen, band: float) -> float:
+    """Error of the unreduced model with the segments of ``reduced``."""
+    extensible = math.isfinite(tow.cable.axial_stiffness)
+    return choose(tow, extensible, max(band * 1.5, 1e-3), 0.5, reduced.nodes, reduced=False).error

@@ -1,0 +1,1 @@
+"""Response of tows over frequency."""

@@ -1,0 +1,69 @@
+"""Plots of a tow: magnitude and phase over frequency, along the cable, and the steady shape. SVG."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from towage.models.cable.steady.perturbation import Excitation
+from towage.models.cable.steady.response import respond
+
+if TYPE_CHECKING:
+    from towage.checks.towing import Gain, SceneTow
+
+
+def _save(figure: object, path: Path) -> None:
+    import matplotlib
+
+    with matplotlib.rc_context({"svg.hashsalt": "towage"}):
+        figure.savefig(path, format="svg", metadata={"Date": None})  # type: ignore[attr-defined]
+
+
+def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
+    """Magnitude and phase of tensions and body motion over frequency."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    hertz = [g.omega / (2.0 * math.pi) for g in rows]
+    axes = figure.subplots(2, 2, sharex=True)
+    unit = "m of heave" if tow.tow.quadrant == 1 else "N of lift"
+    groups = (("tension_top", "tension_body"), ("body_heave", "body_surge"))
+    for column, (names, label) in enumerate(zip(groups, ("N", "m"))):
+        for name in names:
+            values = np.array([getattr(g, name) for g in rows])
+            axes[0, column].loglog(hertz, np.abs(values), label=name.replace("_", " "))
+            axes[1, column].semilogx(hertz, np.angle(values))
+        axes[0, column].set_ylabel(f"{label} per {unit}")
+        axes[1, column].set(xlabel="frequency, Hz", ylabel="phase, rad")
+        axes[0, column].legend()
+    figure.suptitle(f"{tow.name}: response of the tow")
+    _save(figure, path)
+
+
+def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
+    """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s."""
+    from matplotlib.figure import Figure
+
+    excitation = Excitation(heave=1.0) if tow.tow.quadrant == 1 else Excitation(lift=1.0)
+    r = respond(tow.tow, omega, excitation)
+    edges, p = r.steady.edges, r.angle.shape[1] - 1
+    nodes = -np.cos(np.pi * np.arange(p + 1) / p)
+    s = (0.5 * (edges[:-1] + edges[1:])[:, None] + 0.5 * np.diff(edges)[:, None] * nodes).ravel()
+    figure = Figure(figsize=(10.0, 7.0), layout="constrained")
+    axes = figure.subplots(2, 2)
+    axes[0, 0].plot((r.steady.x - r.steady.x[-1, -1]).ravel(), (r.steady.y - r.steady.y[-1, -1]).ravel())
+    axes[0, 0].set(xlabel="forward of the towpoint, m", ylabel="above the towpoint, m", title="steady shape",
+                   aspect="equal")  # fmt: skip
+    axes[0, 1].plot(s, r.steady.tension.ravel())
+    axes[0, 1].set(xlabel="distance from the body, m", ylabel="steady tension, N")
+    for axis, values, name in ((axes[1, 0], np.abs, "magnitude"), (axes[1, 1], np.angle, "phase, rad")):
+        axis.plot(s, values(r.tension.ravel()) / (r.steady.tension.ravel() if name == "magnitude" else 1.0),
+                  label="tension over steady tension")  # fmt: skip
+        axis.plot(s, values(r.angle.ravel()), label="angle, rad")
+        axis.set(xlabel="distance from the body, m", ylabel=name)
+        axis.legend()
+    figure.suptitle(f"{tow.name} at {omega / (2.0 * math.pi):.4g} Hz")
+    _save(figure, path)

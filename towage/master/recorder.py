@@ -1,0 +1,86 @@
+"""What a run records: one row of doubles a point, kept in memory and, if wanted, in a journal file.
+
+A row of the journal is handed to the operating system at once (2 us), so that the journal is complete up to the point
+at which a process dies. Events go to a file beside it, one JSON object a line.
+"""
+
+from __future__ import annotations
+
+import json
+from array import array
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from towage.result.result import Event
+
+EVENTS = ".events"
+"""Suffix of the file with the events of a journal."""
+
+
+class Recorder:
+    """Rows of (time, values of all units in order). ``names`` are the columns as unit.variable."""
+
+    def __init__(self, names: Sequence[str], journal: Path | None = None) -> None:
+        self.names = list(names)
+        self.data = array("d")
+        self._file = open(journal, "wb", buffering=0) if journal else None  # noqa: SIM115
+        self._events = journal.with_suffix(EVENTS) if journal else None
+        if self._file:
+            self._file.write(json.dumps(self.names).encode() + b"\n")
+
+    def row(self, time: float, values: Sequence[Sequence[float]]) -> None:
+        """Append a row."""
+        begin = len(self.data)
+        self.data.append(time)
+        for part in values:
+            self.data.extend(part)
+        if self._file:
+            try:
+                self._file.write(self.data[begin:])
+            except OSError:  # a full disk costs the journal, not the run
+                self.close()
+
+    def event(self, event: Event) -> None:
+        """Keep an event in the journal."""
+        if self._events:
+            with suppress(OSError), open(self._events, "a", encoding="ascii") as file:
+                file.write(json.dumps(vars(event)) + "\n")
+
+    def close(self) -> None:
+        """Close the journal."""
+        if self._file:
+            self._file.close()
+            self._file = None
+
+    def columns(self) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+        """(times, columns by name)."""
+        return _columns(np.array(self.data), self.names)
+
+
+def read_journal(path: Path) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    """What a journal holds, whole rows only; nothing if it was never begun."""
+    try:
+        header, _, data = path.read_bytes().partition(b"\n")
+        names = json.loads(header)
+    except (OSError, ValueError):
+        return np.empty(0), {}
+    return _columns(np.frombuffer(data[: len(data) - len(data) % 8], dtype=np.float64), names)
+
+
+def read_events(path: Path) -> list[Event]:
+    """The events of a journal, whole lines only."""
+    try:
+        lines = path.with_suffix(EVENTS).read_text("ascii").splitlines(keepends=True)
+    except (OSError, ValueError):
+        return []
+    return [Event(**json.loads(line)) for line in lines if line.endswith("\n")]
+
+
+def _columns(data: NDArray[np.float64], names: list[str]) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    width = len(names) + 1
+    rows = data[: len(data) - len(data) % width].reshape(-1, width)
+    return rows[:, 0].copy(), {name: rows[:, k + 1].copy() for k, name in enumerate(names)}

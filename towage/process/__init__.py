@@ -1,0 +1,1 @@
+"""Runs in processes of their own, supervised; progress; files that survive."""

@@ -1,0 +1,1 @@
+"""Files of voyages: ships and seas in, routes out."""

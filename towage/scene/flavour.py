@@ -1,0 +1,133 @@
+"""Which FMU every unit of a scene gets: its Python flavour, a native one, or the file that the scene names.
+
+A scene is checked against the declarations of its units, which both flavours share; then the FMUs are chosen. Sizes of a
+native FMU are fixed when it is built (``STRUCTURE`` of its model), so that a scene, and each of its cases, decides not only
+whether there is one but which. ``segments = 0``, as many as the tolerance needs, is decided by the Python model here.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal, get_args
+
+import msgspec
+
+from towage.errors import FmuError
+from towage.scene.resolve import ResolvedScene, ResolvedUnit
+from towage.scene.scene import Scene
+from towage.units.archive import read_description
+from towage.units.description import Description
+from towage.units.store import Structure, locator, native_place
+
+Flavour = Literal["auto", "python", "native"]
+FLAVOURS: tuple[Flavour, ...] = get_args(Flavour)
+REMEDY = "pip install 'towage[native]', or take the flavour python"
+Say = Callable[[str], None]
+
+
+def resolve(
+    scene: Scene, fmus: Path | None = None, flavour: Flavour = "auto", say: Say = lambda text: None
+) -> ResolvedScene:
+    """The scene with its FMUs, shipped units from ``fmus`` or the cache.
+
+    ``auto``: native where an FMU of the wanted structure is present; ``native``: built where it is not, which takes
+    seconds and is told to ``say`` before. Raises what `Scene.resolve` raises, and `FmuError` where a wanted FMU cannot be
+    had."""
+    resolved = scene.resolve(locator(fmus))
+    units = {}
+    for name, unit in resolved.units.items():
+        shipped = scene.units[name].fmu
+        if not shipped.endswith(".fmu"):
+            unit = _chosen(unit, shipped, fmus, flavour, say)
+        units[name] = msgspec.structs.replace(unit, flavour=flavour_of(unit.description))
+    return msgspec.structs.replace(resolved, units=units)
+
+
+def flavour_of(description: Description) -> str:
+    """``python`` or ``native`` for our own FMUs, else the tool that made it."""
+    if description.generation_tool.split(" ")[0] != "towage":
+        return description.generation_tool or "unknown tool"
+    return "native" if description.can_interpolate_inputs else "python"  # which PythonFMU's bridge does not offer
+
+
+def _chosen(unit: ResolvedUnit, shipped: str, fmus: Path | None, flavour: Flavour, say: Say) -> ResolvedUnit:
+    """The unit with the FMU that ``flavour`` asks for; structural parameters have the values of the build."""
+    from towage.fmus.declare.unit import load
+
+    given = flavour_of(unit.description)
+    if flavour == "python" and given != "python":
+        raise FmuError(f"is {given}, and the flavour python is asked for", file=unit.path)
+    if flavour == "python" or given != "python" or load(shipped).not_native:
+        return unit
+    beside = fmus / "native" / f"{shipped}.fmu" if fmus else None
+    if flavour == "auto" and not (beside and beside.is_file()) and not _cached(shipped):
+        return unit  # before the structure is computed, which may take a second
+    structure = _structure(unit, shipped)
+    if structure is None:
+        return unit
+    place = native_place(shipped, structure)
+    for path in (beside, place):
+        if path and path.is_file():
+            description = read_description(path)
+            if {v.name: v.start for v in description.variables if v.name in structure} == structure:
+                return _with(unit, description, structure)
+    if flavour == "auto":
+        return unit
+    shape = ", ".join(f"{parameter} = {value:g}" for parameter, value in structure.items())
+    say(f"building native {shipped}" + (f" with {shape}" if shape else ""))
+    return _with(unit, read_description(_build(shipped, place.parent, structure)), structure)
+
+
+def _build(shipped: str, directory: Path, structure: Structure) -> Path:
+    """The native FMU, built now. Raises `FmuError` that says what is missing."""
+    if not importlib.util.find_spec("casadi"):
+        raise FmuError(f"native {shipped} is not built yet, and building takes CasADi: {REMEDY}")
+    from towage.fmus.native.build import build
+    from towage.fmus.native.compiler import CompileError
+
+    try:
+        return build(shipped, directory, structure=structure)[0]
+    except CompileError as error:
+        raise FmuError(f"native {shipped} cannot be built: {error}; {REMEDY}") from error
+
+
+def _with(unit: ResolvedUnit, description: Description, structure: Structure) -> ResolvedUnit:
+    return ResolvedUnit(unit.name, description.path, description, {**unit.parameters, **structure})
+
+
+def _structure(unit: ResolvedUnit, shipped: str) -> Structure | None:
+    """Values of the structural parameters that the scene's values ask for. None where the model refuses these values:
+    the unit itself says best why."""
+    from towage.fmus.declare.unit import load
+
+    model = load(shipped).model
+    names: tuple[str, ...] = getattr(model, "STRUCTURE", ())
+    if not names:
+        return {}
+    fields = model.Parameters.__dataclass_fields__
+    variables = unit.description.by_name()
+    values = {n: float(unit.parameters.get(n, variables[n].start or 0.0)) for n in fields if n in variables}
+    structure = {name: values[name] for name in names}
+    if structure.get("segments") == 0.0:
+        try:
+            structure["segments"] = _segments(shipped, tuple(values.items()))
+        except ValueError:
+            return None
+    return structure
+
+
+@functools.cache
+def _segments(shipped: str, values: tuple[tuple[str, float], ...]) -> float:
+    """As many segments as the tolerance needs. Raises ``ValueError`` for a tow that makes no sense."""
+    from towage.fmus.declare.unit import load
+
+    model = load(shipped).model
+    return float(model.prepare(model.Parameters(**dict(values))).chosen.nodes)
+
+
+def _cached(shipped: str) -> bool:
+    """Whether the cache has a native FMU of the unit, of any structure."""
+    return any(native_place(shipped, {}).parents[1].glob(f"*/{shipped}.fmu"))

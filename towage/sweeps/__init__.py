@@ -1,0 +1,1 @@
+"""Many runs of a scene: designs, workers, journal, tables, report."""

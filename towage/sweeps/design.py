@@ -1,0 +1,200 @@
+"""What a sweep varies: a grid over ranges, or a scrambled Sobol sequence in their box.
+
+A range is written "unit.parameter=A:B:N" (grid: N values from A to B, ends included) or "unit.parameter=A:B" (Sobol), its
+ends as in a scene file: numbers, or texts with a unit. Keys of the scene, as coupling.step, can be varied too.
+
+Source of the sequence: S. Joe and F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008), as in scipy; scrambling after Owen.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from towage.errors import SceneError
+from towage.scene.scene import Case, Scene
+from towage.units.store import locator
+
+Array = NDArray[np.float64]
+MOST = 1_000_000
+"""Runs of a sweep: a mistyped count should be told, not begun."""
+_NAME = "--vary"
+_TIMES = ("stop_time", "coupling.step", "record.interval", "checks.sdof.settle", "checks.simpler.settle")
+
+
+@dataclass(frozen=True)
+class Vary:
+    """A range as written; ``count`` None where none is given."""
+
+    target: str
+    low: str
+    high: str
+    count: int | None
+
+
+@dataclass(frozen=True)
+class Design:
+    """Points of a sweep: ``points`` of shape (runs, targets), each column in the unit of measure ``units`` that its
+    variable declares (SI for the shipped units). ``shape``: values along each target of a grid, () for a sequence.
+    ``text`` is how it was asked for."""
+
+    targets: tuple[str, ...]
+    units: tuple[str, ...]
+    points: Array
+    shape: tuple[int, ...]
+    whole: tuple[bool, ...]
+    text: str
+
+    def values(self, index: int) -> dict[str, float | int]:
+        """What one run sets."""
+        point = self.points[index].tolist()
+        return {t: int(v) if whole else v for t, v, whole in zip(self.targets, point, self.whole)}
+
+    def digest(self) -> str:
+        """Of the points, to the last bit."""
+        return hashlib.sha256(np.ascontiguousarray(self.points).tobytes()).hexdigest()[:16]
+
+
+def parse_vary(text: str) -> Vary:
+    """The range in ``text``. Raises `SceneError`."""
+    target, separator, rest = text.partition("=")
+    parts = [part.strip() for part in rest.split(":")]
+    count = None
+    try:
+        if not separator or not target.strip() or len(parts) not in (2, 3) or not all(parts):
+            raise ValueError
+        if len(parts) == 3:
+            count = int(parts[2])
+    except ValueError:
+        raise SceneError(
+            f"{text!r}: expected unit.parameter=FROM:TO:COUNT, or unit.parameter=FROM:TO with --sobol, as in "
+            "'ship.heave_amplitude=2 ft:6 ft:9'",
+            key=_NAME,
+        ) from None
+    if count is not None and count < 2:
+        raise SceneError(f"{text!r}: a range has at least 2 values; a single one is given with --set", key=_NAME)
+    return Vary(target.strip(), parts[0], parts[1], count)
+
+
+def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Design:
+    """All combinations, the first target changing slowest. Raises `SceneError` for a range that does not fit."""
+    axes = _axes(scene, ranges, fmus)
+    columns = []
+    for axis in axes:
+        if axis.vary.count is None:
+            raise SceneError(f"{axis.vary.target}: how many values? Write FROM:TO:COUNT, or use --sobol", key=_NAME)
+        columns.append(_checked(axis, np.linspace(axis.low, axis.high, axis.vary.count)))
+    shape = tuple(len(column) for column in columns)
+    _refuse_too_many(math.prod(shape))
+    points = np.stack([part.ravel() for part in np.meshgrid(*columns, indexing="ij")], axis=1)
+    return _design(axes, points, shape, "grid " + "; ".join(ranges))
+
+
+def sobol(scene: Scene, ranges: Sequence[str], samples: int, seed: int = 0, fmus: Path | None = None) -> Design:
+    """The first ``samples`` points of a scrambled Sobol sequence in the box of ``ranges``; more samples with the same
+    seed begin with the same points. Raises `SceneError`."""
+    from scipy.stats import qmc
+
+    if samples < 1:
+        raise SceneError(f"{samples} samples: expected at least 1", key="--samples")
+    _refuse_too_many(samples)
+    axes = _axes(scene, ranges, fmus)
+    for axis in axes:
+        if axis.vary.count is not None:
+            raise SceneError(f"{axis.vary.target}: a sequence takes FROM:TO, without a count", key=_NAME)
+        if axis.whole:
+            raise SceneError(f"{axis.vary.target} takes whole numbers: vary it in a grid", key=_NAME)
+    sequence = qmc.Sobol(len(axes), scramble=True, seed=seed)
+    unit_cube = sequence.random_base2(max(samples - 1, 0).bit_length())[:samples]
+    low, high = np.array([a.low for a in axes]), np.array([a.high for a in axes])
+    text = f"sobol {samples}, seed {seed}; " + "; ".join(ranges)
+    return _design(axes, low + (high - low) * unit_cube, (), text)
+
+
+def with_values(scene: Scene, values: dict[str, Any], option: str = _NAME) -> Scene:
+    """The scene with ``values`` set; it has no cases and no text. Raises `SceneError` that names ``option``."""
+    try:
+        changed = msgspec.structs.replace(scene, cases=(Case(option, values),)).case(option)
+    except SceneError as error:
+        raise scene.error(str(error.args[0]), option) from None
+    return msgspec.structs.replace(changed, cases=(), source="")
+
+
+class _Axis(NamedTuple):
+    vary: Vary
+    low: float
+    high: float
+    unit: str
+    whole: bool
+
+
+def _axes(scene: Scene, ranges: Sequence[str], fmus: Path | None) -> list[_Axis]:
+    varied = [parse_vary(text) for text in ranges]
+    if not varied:
+        raise SceneError("nothing is varied: give at least one range", key=_NAME)
+    names = [vary.target for vary in varied]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise SceneError(f"{twice} is varied twice", key=_NAME)
+    return [_axis(scene, vary, fmus) for vary in varied]
+
+
+def _axis(scene: Scene, vary: Vary, fmus: Path | None) -> _Axis:
+    """The ends as numbers in the declared unit, both accepted by the scene and its units."""
+    ends = [_end(scene, vary.target, text, fmus) for text in (vary.low, vary.high)]
+    (low, unit, whole), (high, *_) = ends
+    if low == high:
+        raise SceneError(f"{vary.target}: both ends of the range are {low!r}", key=_NAME)
+    return _Axis(vary, low, high, unit, whole)
+
+
+def _end(scene: Scene, target: str, text: str, fmus: Path | None) -> tuple[float, str, bool]:
+    """(value, unit of measure, whether only whole numbers are taken)."""
+    given: Any = text
+    for kind in (int, float):
+        try:
+            given = kind(text)
+            break
+        except ValueError:
+            continue
+    changed = with_values(scene, {target: given})
+    head, _, rest = target.partition(".")
+    if head in scene.units:
+        resolved = changed.resolve(locator(fmus)).units[head]
+        variable, value = resolved.description.by_name()[rest], resolved.parameters[rest]
+        unit, whole = variable.unit or "", variable.type != "Real"
+    else:
+        value = msgspec.to_builtins(msgspec.structs.replace(changed, file=None))
+        for key in target.split("."):
+            value = value[key]
+        unit, whole = "s" if target in _TIMES else "", False
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise SceneError(f"{target} is no number and cannot be varied over a range", file=scene.file, key=_NAME)
+    return float(value), unit, whole
+
+
+def _checked(axis: _Axis, values: Array) -> Array:
+    if axis.whole and np.any(values != np.rint(values)):
+        raise SceneError(
+            f"{axis.vary.target} takes whole numbers, and {axis.vary.count} values from {axis.low:g} to {axis.high:g} "
+            "are not: choose another count",
+            key=_NAME,
+        )
+    return values
+
+
+def _refuse_too_many(count: int) -> None:
+    if count > MOST:
+        raise SceneError(f"{count} runs, more than {MOST}: take fewer values, or --sobol", key=_NAME)
+
+
+def _design(axes: Sequence[_Axis], points: Array, shape: tuple[int, ...], text: str) -> Design:
+    targets, units, whole = zip(*((axis.vary.target, axis.unit, axis.whole) for axis in axes))
+    return Design(targets, units, points, shape, whole, text)

@@ -1,0 +1,95 @@
+"""The points of a sweep as members of one ensemble: thousands a second in compiled code, for scenes that compose.
+
+    from towage.sweep_ensemble import by_ensemble
+
+    sweep = Sweep(scene, grid(scene, ["ship.heave_amplitude=2 ft:6 ft:10001"]))
+    table = by_ensemble(scene, sweep.design, sweep.measures())
+
+The table has the columns of `row` that an ensemble can give: extremes and margins. It has no comparison with a second
+run, and so no SDOF verdict; no counts of events, attractors or estimates of the coupling error. Differences from runs of
+the master are its coupling error; what it refuses for its step alone is not refused here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from towage.checks.verdict import verdict
+from towage.ensemble.ensemble import Members, measures
+from towage.errors import SceneError
+from towage.fmus.declare.unit import BuildError
+from towage.result.result import Margin
+from towage.scene.scene import Scene
+from towage.sweeps.design import Array, Design
+from towage.sweeps.table import Table
+
+SAMPLE = 3
+"""Members that are computed again by default: each costs what a run does."""
+_MARGIN = "margin:"
+
+
+def by_ensemble(
+    scene: Scene,
+    design: Design,
+    units: Mapping[str, str],
+    sample: int = SAMPLE,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Table:
+    """The table of a scene without cases over a design; ``units`` of the recorded variables, as `Sweep.measures` has them.
+
+    ``sample`` points, drawn with ``seed``, are computed again by the FMU path (`towage.ensemble.ensemble`).
+    Raises `RunError` with the point that differs most if one does, `SceneError` where the scene or what is varied does
+    not compose, or nothing can be compiled.
+    """
+    if foreign := next((target for target in design.targets if target.partition(".")[0] not in scene.units), None):
+        raise SceneError(
+            f"{foreign} is of the master, which an ensemble does without: vary parameters of units, or take --engine runs",
+            file=scene.file, key="--vary",
+        )  # fmt: skip
+    options = {"samples": sample, "seed": seed} | ({"threads": threads} if threads else {})
+    try:
+        columns, members = measures(scene, design.targets, design.points, **options)
+    except BuildError as error:
+        raise SceneError(f"{error}; or take --engine runs", file=scene.file, key="--engine ensemble") from error
+    status = tuple(
+        "done" if done else "refused" if refused else "failed" for done, refused in zip(members.done, members.refused)
+    )
+    words, reasons = zip(*(_judged(scene, columns, members, k) for k in range(len(design.points))))
+    return Table.from_columns(scene.title, design, (status, words, reasons), columns, units, _note(scene, members))
+
+
+def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int) -> tuple[str, str]:
+    """(verdict, reason) of a member. One that passes its margins is not valid if a check that the scene asks for was not
+    made."""
+    if members.message[k]:
+        return "not judged", members.message[k]
+    found = [
+        Margin(name, float(values[k]), np.nan, name not in scene.checks.report_only)
+        for name, values in ((name.removeprefix(_MARGIN), v) for name, v in columns.items() if name.startswith(_MARGIN))
+    ]
+    judged = verdict(None, found)
+    if judged.word == "invalid":
+        return judged.word, f"{min((m for m in found if m.decides), key=lambda m: m.worst).variable} is negative"
+    if _left_out(scene):
+        return "not judged", "no margin that decides is negative; the comparison needs a second run"
+    return judged.word, judged.reason
+
+
+def _left_out(scene: Scene) -> str:
+    checks = {"SDOF comparison": scene.checks.sdof, "comparison with the simpler model": scene.checks.simpler}
+    return " and the ".join(name for name, check in checks.items() if check)
+
+
+def _note(scene: Scene, members: Members) -> str:
+    """How the table was made, and what it does not have."""
+    worst = max((s.difference for s in members.samples), default=0.0)
+    made = (
+        f"Computed as one ensemble; {len(members.samples)} of its members, drawn at random, were computed again by the FMU "
+        f"path and differ by at most {worst:.1e} of a variable's largest value."
+    )
+    left = _left_out(scene)
+    absent = f" The {left}: left out, as a second run of every point is needed (--engine runs)." if left else ""
+    return f"{made}{absent} Counts of events, attractors and coupling errors: left out too (--engine runs)."

@@ -1,0 +1,74 @@
+"""What a sweep keeps of a run: a word, a verdict and numbers that do not depend on when or where it was run.
+
+Names of the numbers: ``sdof:rms`` and the other measures of the comparison with the one-way run, ``margin:<variable>``
+(smallest value) and ``worst_margin``, ``min:<variable>``, ``max:<variable>``, ``events:<unit>.<name>`` (how many),
+``coupling_error`` (the largest), ``attractor`` (periods after which the motion repeats, `attractor`).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from towage.result.result import Result
+from towage.scene.resolve import ResolvedScene
+from towage.sweeps.attractor import repeats_after
+
+Status = Literal["done", "failed", "refused", "crashed", "hung", "defect"]
+_COMPARISON = ("rms", "amplitude", "phase", "peak_tension", "indicator", "bound", "estimate")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run. ``status``: done; failed (a unit said so, or a value was not finite); refused (the values do not fit the
+    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``note`` is for people: the
+    stack, what was printed; it goes to the journal only, because no two crashes need leave the same."""
+
+    index: int
+    status: Status
+    verdict: str = "not judged"
+    message: str = ""
+    measures: dict[str, float] = field(default_factory=dict)
+    note: str = ""
+
+
+def row(index: int, result: Result, resolved: ResolvedScene) -> Row:
+    """The row of a run that came to its end."""
+    if result.status == "failed":
+        return Row(index, "failed", message=result.message)
+    return Row(index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved))
+
+
+def _measures(result: Result, resolved: ResolvedScene) -> dict[str, float]:
+    found: dict[str, float | None] = {}
+    if result.comparison:
+        found |= {f"sdof:{name}": vars(result.comparison)[name] for name in _COMPARISON}
+    if worst := result.worst_margin():
+        found["worst_margin"] = worst.worst
+    found |= {f"margin:{margin.variable}": margin.worst for margin in result.margins}
+    margins = {margin.variable for margin in result.margins}
+    for name, values in result.columns.items():
+        if name not in margins and np.isfinite(values).any():
+            found[f"min:{name}"], found[f"max:{name}"] = float(np.nanmin(values)), float(np.nanmax(values))
+    found |= {f"events:{name}": float(n) for name, n in Counter(f"{e.unit}.{e.name}" for e in result.events).items()}
+    if error := result.worst_coupling_error():
+        found["coupling_error"] = error[1]
+    found["attractor"] = _attractor(result, resolved)
+    return {name: float(value) for name, value in found.items() if value is not None}
+
+
+def _attractor(result: Result, resolved: ResolvedScene) -> float | None:
+    """Periods after which the motion of the SDOF check repeats; None where the scene has no such check, or its driver no
+    parameter ``heave_period``."""
+    check = resolved.scene.checks.sdof
+    if not check or check.motion not in result.columns:
+        return None
+    driver = resolved.units[check.driver.partition(".")[0]]
+    variable = driver.description.by_name().get("heave_period")
+    period = driver.parameters.get("heave_period", variable.start if variable else None)
+    if not isinstance(period, float) or period <= 0.0:
+        return None
+    return repeats_after(result.time, result[check.motion], period)

@@ -1,0 +1,1 @@
+"""Stability of towed bodies over speed."""

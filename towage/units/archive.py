@@ -1,0 +1,239 @@
+"""FMI 2.0 co-simulation archives, read and unpacked without running or trusting anything in them.
+
+``read_description`` answers what a scene needs to be checked; ``extract`` unpacks after every check. What is refused:
+names that leave the directory or collide, links, decompression bombs, truncated or damaged data, a DOCTYPE (entities),
+other FMI versions and interfaces, duplicate variables, and a binary that the loader of this platform would choke on.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import re
+import shutil
+import stat
+import struct
+import tempfile
+import unicodedata
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+from towage.errors import FmuError
+from towage.units import binary
+from towage.units.description import Description, DescriptionReader, InvalidDescription
+
+MAX_ENTRIES = 10_000
+MAX_UNPACKED = 512 * 2**20
+MAX_RATIO = 200
+RATIO_FLOOR = 16 * 2**20
+"""Bytes unpacked below which no ratio is a bomb."""
+MAX_XML = 64 * 2**20
+_DESCRIPTION = "modelDescription.xml"
+
+
+def read_description(path: Path) -> Description:
+    """Describe the FMU at ``path``; a binary for this platform is not required. Raises ``FmuError``.
+
+    A file that does not change is read once a process, because a sweep asks for it in every run."""
+    return _read(path, *_stamp(path))
+
+
+def unpacked(path: Path, root: Path) -> Path:
+    """The directory below ``root``, named by the file's content, into which the FMU is unpacked by `extract`; a file that
+    does not change is looked at once a process. Raises ``FmuError``."""
+    return _unpacked_once(path, root, *_stamp(path))
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """What changes with the file's content: (time of modification, size); zeros where there is no file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_size
+
+
+@functools.lru_cache(maxsize=64)
+def _read(path: Path, *stamp: int) -> Description:
+    with _opened(path) as archive:
+        return _describe(path, archive)
+
+
+@functools.lru_cache(maxsize=64)
+def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
+    directory = root / hashlib.sha256(path.read_bytes()).hexdigest()[:32]
+    extract(path, directory, replace=True)  # what is there under this name is the same or was damaged
+    return directory
+
+
+def check_platform(description: Description) -> str:
+    """The name of this platform's directory in ``binaries``. Raises ``FmuError`` if the FMU has no binary for it."""
+    platform, suffix = binary.platform_name()
+    if platform not in description.platforms:
+        raise FmuError(
+            f"no binary for {platform} (binaries/{platform}/{description.model_identifier}{suffix}); "
+            f"present: {', '.join(description.platforms) or 'none'}. Ask the supplier for a build for {platform}",
+            file=description.path,
+        )
+    return platform
+
+
+def extract(path: Path, directory: Path, replace: bool = False) -> None:
+    """Unpack the FMU at ``path`` into ``directory``, which appears complete or not at all.
+
+    A directory that already holds the same files is left alone, so processes that unpack one FMU at the same time all
+    succeed. One that holds something else is replaced if ``replace``. Raises ``FmuError``, also if it is not.
+    """
+    with _opened(path) as archive:
+        platform = check_platform(description := _describe(path, archive))
+        entry = f"binaries/{platform}/{description.model_identifier}{binary.platform_name()[1]}"
+        if problem := binary.problem(archive.read(entry)):
+            raise FmuError(
+                f"not a loadable library: {problem}. Rebuild or download the FMU again", file=path, entry=entry
+            )
+        if _holds(directory, archive):
+            return
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+        try:
+            _unpack(archive, scratch)
+            if not _placed(scratch, directory, archive, replace):
+                raise FmuError(f"{directory} exists and holds something else: remove it", file=path)
+        finally:
+            shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _placed(scratch: Path, directory: Path, archive: zipfile.ZipFile, replace: bool) -> bool:
+    """Whether ``directory`` holds the archive now: ``scratch`` under that name, or what another process put there."""
+    for _ in range(1 + replace):
+        with suppress(OSError):
+            scratch.rename(directory)
+            return True
+        if _holds(directory, archive):
+            return True
+        if replace:
+            with tempfile.TemporaryDirectory(prefix=scratch.name, dir=directory.parent) as aside, suppress(OSError):
+                directory.rename(Path(aside, "old"))
+    return False
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+    """The archive, its names and sizes checked; whatever goes wrong while it is open becomes a ``FmuError``."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            _check_entries(path, archive)
+            yield archive
+    except FileNotFoundError:
+        raise FmuError("there is no such file", file=path) from None
+    except (zipfile.BadZipFile, zlib.error, EOFError, struct.error, NotImplementedError, ValueError) as error:
+        raise FmuError(f"damaged or truncated archive ({error}): download or build it again", file=path) from error
+    except OSError as error:
+        raise FmuError(f"cannot be read or unpacked: {error}", file=path) from error
+
+
+def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
+    """Refuse an archive by its directory alone."""
+    entries = archive.infolist()
+    unpacked, packed = sum(entry.file_size for entry in entries), path.stat().st_size
+    if len(entries) > MAX_ENTRIES:
+        raise FmuError(f"{len(entries)} entries, more than {MAX_ENTRIES}: refused as a bomb", file=path)
+    if unpacked > MAX_UNPACKED:
+        raise FmuError(f"{unpacked / 2**20:.0f} MB unpacked, over {MAX_UNPACKED >> 20}: refused as a bomb", file=path)
+    if unpacked > RATIO_FLOOR and unpacked > MAX_RATIO * packed:
+        raise FmuError(f"unpacks to {unpacked / packed:.0f} times its size: refused as a bomb", file=path)
+    spelled: dict[str, tuple[str, bool]] = {}
+    listed: set[str] = set()
+    for entry in entries:
+        name = entry.orig_filename
+        parts = name.rstrip("/").split("/")
+        if problem := _entry_problem(entry, parts):
+            raise FmuError(problem, file=path, entry=repr(name))
+        for depth in range(1, len(parts) + 1):
+            here = ("/".join(parts[:depth]), depth < len(parts) or entry.is_dir())
+            there = spelled.setdefault(unicodedata.normalize("NFC", here[0]).casefold(), here)
+            if there != here:
+                raise FmuError(f"collides with {there[0]!r} where case is ignored", file=path, entry=repr(name))
+        if here[0] in listed:
+            raise FmuError("occurs twice in the archive", file=path, entry=repr(name))
+        listed.add(here[0])
+
+
+def _entry_problem(entry: zipfile.ZipInfo, parts: list[str]) -> str:
+    """Why one entry is refused, or ""."""
+    name, mode = entry.orig_filename, entry.external_attr >> 16
+    if name.startswith("/") or re.match("[A-Za-z]:", name):
+        return "is an absolute path"
+    if ".." in parts:
+        return "leaves the archive's directory"
+    if re.search(r"[\\:\x00-\x1f]", name) or any(part.strip() in ("", ".") or part[-1] in ". " for part in parts):
+        return "is not a portable name: expected words separated by '/'"
+    if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
+        return "is a symbolic link" if stat.S_ISLNK(mode) else "is not a regular file"
+    if entry.flag_bits & 1:
+        return "is encrypted"
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        return f"is compressed by method {entry.compress_type}: FMI allows stored and deflated"
+    return ""
+
+
+def _unpack(archive: zipfile.ZipFile, target: Path) -> None:
+    """Write every entry below ``target``; reading to the end checks length and CRC."""
+    for entry in archive.infolist():
+        place = target.joinpath(*entry.orig_filename.split("/"))
+        if entry.is_dir():
+            place.mkdir(parents=True, exist_ok=True)
+            continue
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with archive.open(entry) as packed, open(place, "xb") as unpacked:
+            shutil.copyfileobj(packed, unpacked)
+
+
+def _holds(directory: Path, archive: zipfile.ZipFile) -> bool:
+    """Whether the directory has every file of the archive, unchanged; what a unit adds at run time is no matter."""
+    for entry in archive.infolist():
+        place = directory.joinpath(*entry.orig_filename.split("/"))
+        if entry.is_dir():
+            continue
+        if place.is_symlink() or not place.is_file() or place.stat().st_size != entry.file_size:
+            return False
+        if zlib.crc32(place.read_bytes()) != entry.CRC:
+            return False
+    return True
+
+
+def _parse(path: Path, data: bytes) -> ElementTree.Element:
+    """The root element; a DOCTYPE is refused before any entity of it is looked at."""
+
+    def refuse(*_: object) -> None:
+        raise FmuError("contains a DOCTYPE, which FMI does not need: refused", file=path, entry=_DESCRIPTION)
+
+    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
+    parser.buffer_text = True
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = builder.start
+    parser.EndElementHandler = builder.end
+    try:
+        parser.Parse(data, True)
+        return builder.close()
+    except (expat.ExpatError, ValueError, LookupError, AssertionError) as error:
+        raise FmuError(f"is not well-formed XML: {error}", file=path, entry=_DESCRIPTION) from error
+
+
+def _describe(path: Path, archive: zipfile.ZipFile) -> Description:
+    """Read modelDescription.xml and the list of binaries."""
+    names = archive.namelist()
+    if _DESCRIPTION not in names:
+        raise FmuError(f"no {_DESCRIPTION} at the top of the archive: is it an FMU?", file=path)
+    if archive.getinfo(_DESCRIPTION).file_size > MAX_XML:
+        raise FmuError(f"larger than {MAX_XML >> 20} MB", file=path, entry=_DESCRIPTION)
+    root = _parse(path, archive.read(_DESCRIPTION))
+    try:
+        return DescriptionReader(root).description(path, names)
+    except InvalidDescription as error:
+        raise FmuError(str(error), file=path, entry=_DESCRIPTION) from None

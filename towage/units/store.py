@@ -1,0 +1,78 @@
+"""Where FMUs are: shipped units are built on demand into a cache, every FMU is unpacked once.
+
+The cache is addressed by content (the text of the sources), so nothing in it is ever stale. It lives in
+``$TOWAGE_CACHE``, else in the user's cache directory.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from towage.errors import FmuError
+from towage.process.files import reason
+from towage.scene.scene import Locate
+
+Structure = Mapping[str, float]
+"""Structural parameters of a native FMU: sizes that are fixed when it is built."""
+
+
+def cache() -> Path:
+    """The cache directory."""
+    chosen = os.environ.get("TOWAGE_CACHE")
+    return Path(chosen) if chosen else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "towage"
+
+
+def locator(directory: Path | None = None) -> Locate:
+    """Finds the FMU of a shipped unit by whose description scenes are checked: in ``directory`` if given, the native one
+    where there is no other; else the Python flavour, built into the cache."""
+
+    def locate(name: str) -> Path:
+        from towage.fmus import UNITS
+
+        if directory is not None:
+            for path in (directory / f"{name}.fmu", directory / "native" / f"{name}.fmu"):
+                if path.is_file():
+                    return path
+            raise LookupError(
+                f"there is no {directory / name}.fmu; build it with: python build_fmus.py {name} --out {directory}"
+            )
+        if name not in UNITS:
+            raise LookupError(f"the shipped units are {', '.join(UNITS)}")
+        shipped = Path(__file__).parents[1] / "shipped" / f"{name}.fmu"  # in a wheel; never in the work tree: no stale ones
+        return shipped if shipped.is_file() else _python(name, cache() / "fmus")
+
+    return locate
+
+
+@functools.cache
+def _python(name: str, directory: Path) -> Path:
+    """The Python flavour, compared with its sources once a process. Raises `FmuError`."""
+    from towage.fmus.python.build import build
+
+    try:
+        return build(name, directory)[0]
+    except OSError as error:
+        raise FmuError(f"cannot be built: {reason(error)}. TOWAGE_CACHE may name another place", file=directory) from error
+
+
+def native_place(name: str, structure: Structure) -> Path:
+    """Where in the cache the native FMU of that structure is, or would be."""
+    shape = ",".join(f"{parameter}={value:g}" for parameter, value in sorted(structure.items()))
+    return cache() / "native" / _sources() / (shape or "plain") / f"{name}.fmu"
+
+
+@functools.cache
+def _sources() -> str:
+    """Digest of all that a native FMU is made of: models, declarations, runtime."""
+    from towage import fmus, models
+
+    digest = hashlib.sha256()
+    for package in (fmus, models):
+        folder = Path(str(package.__file__)).resolve().parent
+        for path in sorted(p for p in folder.rglob("*") if p.suffix in (".py", ".c", ".h")):
+            digest.update(str(path.relative_to(folder)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
