@@ -11,7 +11,8 @@ from typing import Any
 
 from towage.fmus.declare.unit import Unit
 from towage.fmus.native.compiler import host, library
-from towage.fmus.native.trace import Traced, model_source
+from towage.fmus.native.source import model_source
+from towage.fmus.native.traced import Traced
 from towage.models.numeric.ops import FLOATS
 
 Vector = Sequence[float]

@@ -17,7 +17,7 @@ from towage.fmus.declare import quantities
 from towage.fmus.declare.arrays import array_of, lengths
 from towage.fmus.declare.unit import load, local
 from towage.fmus.native import build as native_fmu
-from towage.fmus.native.trace_linear import trace
+from towage.fmus.native.trace import trace
 from towage.fmus.python.instance import Instance
 
 from . import linear_example

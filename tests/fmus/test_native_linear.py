@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from towage.fmus.native.trace_linear import trace
+from towage.fmus.native.trace import trace
 from towage.models.numeric.matrix_ops import numbers
 
 from . import linear_example as example

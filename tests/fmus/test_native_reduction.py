@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from towage.fmus.declare.unit import load
-from towage.fmus.native.trace_linear import trace
+from towage.fmus.native.trace import trace
 from towage.fmus.python.instance import Instance
 from towage.models.cable.lumped.fidelity import tow_elastic, tow_rigid
 from towage.models.cable.lumped.reduction import reduce

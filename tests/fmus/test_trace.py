@@ -12,7 +12,9 @@ import pytest
 
 from towage.fmus import UNITS
 from towage.fmus.declare.unit import load
-from towage.fmus.native.trace import FORWARD, NotNative, Traced, model_source, trace
+from towage.fmus.native.source import model_source
+from towage.fmus.native.trace import FORWARD, trace
+from towage.fmus.native.traced import NotNative, Traced
 from towage.models.numeric.ops import FLOATS
 
 from .compiled import Compiled, point

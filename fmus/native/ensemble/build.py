@@ -23,7 +23,8 @@ from ....models.heave.system import DORMAND_PRINCE_8
 from ....models.numeric.integrate import Tableau
 from ...declare.unit import Unit
 from ..compiler import compiler, host, output_of
-from ..trace import NotNative, Traced, column, trace
+from ..trace import trace
+from ..traced import NotNative, Traced, column
 
 SOURCES = Path(__file__).resolve().parent
 FLAGS = (
