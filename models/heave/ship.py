@@ -31,14 +31,20 @@ from ..protocol.variables import Rate, calculated_parameter, input_variable, mar
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """SI."""
+class FreeMotion:
+    """The motion without the line, SI."""
 
     heave_amplitude: Annotated[Value, parameter("m", 1.0, "Amplitude of the free heave", display="ft")]
     heave_period: Annotated[Value, parameter("s", 8.0, "Period of the free heave", min=1e-9)]
     heave_phase: Annotated[
         Value, parameter("rad", 0.0, "Phase of the free heave: a sin(2 pi t / period + phase)", display="deg")
     ]
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """What every heaving ship has, SI."""
+
     ramp_time: Annotated[Value, parameter("s", 0.0, "Duration of a smooth start; 0: none", min=0.0)]
     mass: Annotated[Value, tunable("kg", 1e6, "Mass with heave added mass", display="lb", min=1e-9)]
     damping: Annotated[Value, tunable("N.s/m", 0.0, "Linear heave damping", display="lbf.s/ft", min=0.0)]
@@ -46,6 +52,11 @@ class Parameters:
     sdof_tolerance: Annotated[
         Value, parameter("1", 0.05, "Share of the free amplitude by which the line may move the ship", min=1e-9)
     ]
+
+
+@dataclass(frozen=True)
+class Parameters(Oscillator, FreeMotion):
+    """The motion without the line first, then the oscillator."""
 
 
 class State(NamedTuple):
@@ -59,20 +70,26 @@ class Modes(NamedTuple):
     """No branches."""
 
 
+Reaction = Annotated[
+    Value, input_variable("N", "Excess of the line's pull over its static value, down on the ship", display="lbf")
+]
+Heave = Annotated[Value, output("m", "Heave of the point that holds the line, positive up", display="ft")]
+Velocity = Annotated[Value, output("m/s", "Heave velocity, positive up", display="ft/s")]
+FreeHeave = Annotated[Value, output("m", "Heave without the line's reaction", display="ft")]
+
+
 class Inputs(NamedTuple):
     """From the line."""
 
-    reaction: Annotated[
-        Value, input_variable("N", "Excess of the line's pull over its static value, down on the ship", display="lbf")
-    ]
+    reaction: Reaction
 
 
 class Outputs(NamedTuple):
     """``free_heave`` is the prescribed part of ``heave``; ``margin_sdof`` tells how far the line moves the ship."""
 
-    heave: Annotated[Value, output("m", "Heave of the point that holds the line, positive up", display="ft")]
-    velocity: Annotated[Value, output("m/s", "Heave velocity, positive up", display="ft/s")]
-    free_heave: Annotated[Value, output("m", "Heave without the line's reaction", display="ft")]
+    heave: Heave
+    velocity: Velocity
+    free_heave: FreeHeave
     margin_sdof: Annotated[
         Value, margin("1 - |z| / (sdof_tolerance a), z the response to the line and a the free amplitude")
     ]
@@ -108,7 +125,7 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     return State(0.0, 0.0), Modes()
 
 
-def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
+def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Oscillator, ops: Ops) -> State:
     """x' of the response."""
     return State(
         x.response_rate, (-u.reaction - p.damping * x.response_rate - p.stiffness * x.response) / p.mass
@@ -116,7 +133,7 @@ def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops
 
 
 def advance(
-    t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops
+    t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Oscillator, ops: Ops
 ) -> State:
     """Exact step of length ``h``, s, for R(t + s) = r0 + r1 s + r2 s^2 + r3 s^3 (``cubics.reaction``): the particular
     solution is a cubic too, the rest is the free oscillation in closed form (under- or overdamped)."""
@@ -161,7 +178,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     return Outputs(free + z, velocity, free, margin, velocity, acceleration + z_rate2, rate)
 
 
-def calculated(p: Parameters, ops: Ops) -> Calculated:
+def calculated(p: Oscillator, ops: Ops) -> Calculated:
     """Constants of the heave oscillator."""
     omega = ops.sqrt(p.stiffness / p.mass)
     return Calculated(p.mass, omega, 0.5 * p.damping / (p.mass * omega))

@@ -16,3 +16,9 @@ def ramp(t: Value, duration: Value, ops: Ops) -> tuple[Value, Value, Value]:
     r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
     r2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * scale * scale
     return r, r1, r2
+
+
+def ramp_integral(t: Value, duration: Value, ops: Ops) -> Value:
+    """Integral of r from 0 to ``t``, s, within 0 to ``duration`` > 0, s."""
+    s = ops.minimum(1.0, ops.maximum(0.0, t / duration))
+    return duration * s**4 * (2.5 - 3.0 * s + s * s)
