@@ -20,7 +20,7 @@ from ...models.numeric.dependence import TRACED, Traced, degrees_of, joined
 from ...models.numeric.matrix_ops import numbers
 from ...models.protocol.linear_model import LinearModel
 from ...models.protocol.model import AnyModel
-from ...models.protocol.variables import quantities
+from ...models.protocol.variables import EVERY_INPUT, Quantity, quantities
 from .unit import Unit
 
 
@@ -28,9 +28,14 @@ def dependencies(unit: Unit) -> Mapping[str, tuple[str, ...]]:
     """For every observed variable the inputs that act on it without delay, in the order of the inputs."""
     if unit.depends is not None:
         return unit.depends
-    declared = {name: set(q.also) for name, q in quantities(unit.model.Outputs).items()}
     order = [v.name for v in unit.inputs]
+    declared = {name: declared_inputs(unit, q) for name, q in quantities(unit.model.Outputs).items()}
     return {n: tuple(k for k in order if k in found | declared[n]) for n, found in derived(unit).items()}
+
+
+def declared_inputs(unit: Unit, quantity: Quantity) -> set[str]:
+    """What the model declares of an output beyond what the trace finds."""
+    return {v.name for v in unit.inputs} if quantity.also == EVERY_INPUT else set(quantity.also)
 
 
 def derived(unit: Unit) -> dict[str, set[str]]:

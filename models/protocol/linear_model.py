@@ -42,6 +42,7 @@ class LinearModel(Record):
     ``Inputs``), c are the ``constants`` of the set-up, and ``cubics`` has for every input the coefficients of 1, t, t^2, t^3.
 
     * ``Size``: the parameters that fix the number of states, a named tuple with the defaults of native builds.
+    * ``size(p) -> Size``: the structure that the parameters ask for, where that is not what they say literally.
     * ``setup(p, size, matrices) -> Setup``: the full model, for numbers and symbols alike.
     * ``prepare(p) -> Setup``: the model that the parameters ask for, chosen and reduced, of numbers.
     * ``drive(own, cubics, p, c, ops)``: polynomials of the core inputs v over a step, one sequence of coefficients each.
@@ -78,6 +79,7 @@ class LinearModel(Record):
     describe: Callable[[Any, Any, Ops], Any]
     own_after: Callable[[Value, Any, Any, Any, Any, Ops], tuple[Value, ...]] | None = None
     own_rates: Callable[[Any, Any, Any, Any, Any, Ops], tuple[Value, ...]] | None = None
+    size: Callable[[Any], Any] | None = None
     start: Callable[[Any, Any, Ops], tuple[Sequence[Value], Sequence[Value]]] | None = None
     schedule: Callable[[Any, Any, Any, Ops], Value] | None = None
     study: Callable[[Any], Study] | None = None
@@ -97,6 +99,8 @@ class LinearModel(Record):
 
     def size_of(self, p: Any) -> Any:
         """The structure that the parameters ask for."""
+        if self.size:
+            return self.size(p)
         return self.Size(*(getattr(p, name) for name in self.Size._fields))
 
     def studied(self, size: Any) -> Study:

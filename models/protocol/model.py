@@ -33,6 +33,13 @@ U = TypeVar("U")
 Y = TypeVar("Y")
 Requirement = tuple[Value, str]
 """A value that must be positive, and what to say where it is not."""
+
+
+def refusal_of(requirements: Sequence[Requirement]) -> str:
+    """The message of the first requirement, of numbers, that is not met (nan meets none); empty if all are."""
+    return next((text for value, text in requirements if not value > 0.0), "")
+
+
 Cubics = Sequence[Sequence[Value]]
 """Of every input the coefficients of 1, s, s^2, s^3 over a step."""
 
@@ -124,11 +131,8 @@ class Model(Record, Generic[P, X, M, U, Y]):
 
     def refused(self, p: P) -> str:
         """Why the model does not take these parameters, numbers; empty if it does."""
-        required = self.requirements(p, FLOATS) if self.requirements else ()
-        for value, text in required:
-            if not value > 0.0:
-                return text
-        return self.refusal(p) if self.refusal else ""
+        unmet = refusal_of(self.requirements(p, FLOATS)) if self.requirements else ""
+        return unmet or (self.refusal(p) if self.refusal else "")
 
 
 AnyModel = Model[Any, Any, Any, Any, Any]

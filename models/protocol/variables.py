@@ -23,6 +23,10 @@ from typing import Annotated, Any, get_type_hints
 from ..numeric.ops import NEVER, Value
 
 
+EVERY_INPUT = ("*",)
+"""For ``also``: all inputs of the model."""
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A variable without its name. ``causality`` and ``variability`` are FMI's.

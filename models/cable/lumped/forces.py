@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..case import Tow
-from ..steady.steady import Array
+from ...numeric.arrays import Array
 
 COMPLEX_STEP = 1e-150
 

@@ -28,7 +28,7 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from ..case import CableError, Tow
-from ..steady.steady import Array
+from ...numeric.arrays import Array
 from .forces import COMPLEX_STEP, node_mass, segment_forces
 from .lumped import Chain, equilibrium
 
