@@ -24,8 +24,8 @@ from towage.models.numeric.matrix_ops import numbers
 from towage.models.numeric.ops import FLOATS
 from towage.models.slender import body as slender_body
 from towage.models.slender import prepared as slender_prepared
-from towage.models.slender import setup as slender_setup
 from towage.models.slender import series as slender_series
+from towage.models.slender import setup as slender_setup
 from towage.models.slender.coefficients import Body, coefficients
 from towage.models.slender.damping import fast_mode_damping
 from towage.models.slender.modes import matrices, roots, spectrum

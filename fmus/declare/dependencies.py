@@ -11,7 +11,6 @@ What no trace finds the model declares (``also``): functions that work on floats
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -46,7 +45,7 @@ def derived(unit: Unit) -> dict[str, set[str]]:
         return {name: set() for name in names}
     if model.linear:
         start = {v.name: unit.start.get(v.name, v.start) for v in unit.parameters}
-        values = _linear(model.linear, model.Parameters(**start))
+        values = _linear(model.linear, start)
     else:
         values = _plain(model)
     return {name: {str(k) for k in degrees_of(value)} for name, value in zip(names, values)}
@@ -62,25 +61,21 @@ def _unknown(kind: Any) -> Any:
 
 def _plain(model: AnyModel) -> tuple[Any, ...]:
     """The traced outputs after the transition of a communication point."""
-    t, u, p = Traced(), _inputs(model), model.Parameters(*map(_free, quantities(model.Parameters)))
+    t, u, p = Traced(), _inputs(model), model.Parameters(**{name: Traced() for name in quantities(model.Parameters)})
     x, m = _unknown(model.State), _unknown(model.Modes)
     if model.transition:
         x, m = model.transition(t, x, m, u, p, TRACED)
     return tuple(model.outputs(t, x, m, u, u, p, TRACED))
 
 
-def _free(_: str) -> Traced:
-    return Traced()
-
-
-def _linear(linear: LinearModel, p: Any) -> tuple[Any, ...]:
-    """The traced outputs of a linear model; the dependence of u' counts as that of u."""
+def _linear(linear: LinearModel, start: Mapping[str, float | None]) -> tuple[Any, ...]:
+    """The traced outputs of a linear model with matrices at the parameters ``start``."""
+    p, traced = linear.Parameters(**start), linear.Parameters(**{name: Traced() for name in start})
     setup = linear.setup(p, linear.size_of(p), numbers())
     u, own = _inputs(linear), _unknown(linear.Own)
     constants = type(setup.constants)(*(
         tuple(Traced() for _ in value) if isinstance(value, tuple) else Traced() for value in setup.constants
     ))  # fmt: skip
-    traced = type(p)(*(Traced() for _ in quantities(type(p))))
     v, v_rate, _ = linear.core(own, u, u, traced, constants, TRACED)
     filled_d, filled_e = (np.asarray(matrix) != 0.0 for matrix in (setup.d, setup.e))
     y = [

@@ -53,13 +53,11 @@ class Part(NamedTuple):
 
     def observed(self) -> tuple[Variable, ...]:
         """Outputs and locals in the scene; texts of rates name them in full."""
-        units = {v.name: v.unit for v in self.unit.observed}
-        rates = {f"{name}_rate": named(f"{name}_rate", rate_of(name, unit)) for name, unit in units.items()}
-        return tuple(
-            named(self.full_name(v.name), rate_of(self.full_name(v.name.removesuffix("_rate")), units[v.name.removesuffix("_rate")]))
-            if v == rates.get(v.name) else self.variable(v)
-            for v in self.unit.observed
-        )  # fmt: skip
+        rates = {
+            f"{v.name}_rate": named(f"{self.full_name(v.name)}_rate", rate_of(self.full_name(v.name), v.unit))
+            for v in self.unit.observed if v.causality == "output"
+        }  # fmt: skip
+        return tuple(rates.get(v.name) or self.variable(v) for v in self.unit.observed)
 
     def states(self, model: AnyModel) -> tuple[Variable, ...]:
         """The states of ``model`` that no output shows. Those of reduced matrices have no unit, and none is claimed for

@@ -150,7 +150,7 @@ class Values:
         if refusal := model.refused(p):
             raise CallError(refusal)
         if unit.calculated:
-            values[self._calculated] = map(float, model.calculated(p, FLOATS))  # type: ignore[misc]
+            values[self._calculated] = map(float, model.calculated(p, FLOATS))
         self._fixed, self._p = tuple(values[self._parameters]), p
         self._stale = False
 

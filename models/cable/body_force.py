@@ -22,7 +22,7 @@ from typing import Annotated, NamedTuple
 
 from ..numeric import ramp
 from ..numeric.ops import Ops, Value
-from ..protocol.model import Model
+from ..protocol.model import AnyModel, Model
 from ..protocol.variables import Rate, input_variable, output, parameter
 
 
@@ -87,7 +87,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     return Outputs(drag, lift + u.offset_lift, drag_rate, lift_rate + du.offset_lift)
 
 
-BODY_FORCE = Model(
+BODY_FORCE: AnyModel = Model(
     "body_force", "Oscillating drag and lift of a towed body, prescribed", Parameters, State, Modes, Inputs, Outputs,
     initial=initial, outputs=outputs,
 )  # fmt: skip

@@ -163,7 +163,7 @@ def traced_tow(p: TowParameters, ops: Ops, extensible: bool = True) -> TracedTow
     cable, body, speed, density = _described(p, ops)
     if not extensible:
         cable = replace(cable, axial_stiffness=math.inf)
-    return TracedTow(cable, body, speed, density, p.quadrant)  # type: ignore[arg-type]
+    return TracedTow(cable, body, speed, density, p.quadrant)
 
 
 def tow_requirements(p: TowParameters, ops: Ops) -> list[Requirement]:

@@ -143,7 +143,7 @@ class Composition:
             first = ops.minimum(first, due)
         return first
 
-    def _arguments(self, i: int, now: _Point) -> tuple[Any, ...]:
+    def _arguments(self, i: int, now: _Point) -> tuple[Value, Any, Any, Any, Any, Any]:
         """(t, x, m, u, u', u'') of a part, named unless its functions go by position."""
         model, x, m, u, du, ddu = self._models[i], now.x[i], now.m[i], now.u[i], now.du[i], now.ddu[i]
         if model.by_position:
@@ -162,8 +162,8 @@ class Composition:
         """The parts' states and the inputs that ``plan`` finds; what no one asked for is 0."""
         x, m = tuple(x), tuple(m)
         sizes = [len(model.Inputs._fields) for model in self._models]
-        sides = {kind: [[0.0] * n for n in sizes] for kind in KINDS}
-        now = _Point(t, [x[s] for s in self._x], [m[s] for s in self._m], *sides.values(), sides, p)
+        sides: dict[str, list[list[Value]]] = {kind: [[0.0] * n for n in sizes] for kind in KINDS}
+        now = _Point(t, [x[s] for s in self._x], [m[s] for s in self._m], sides["u"], sides["du"], sides["ddu"], sides, p)
         for k, (part, place) in enumerate(self._signals.open_places):
             now.u[part][place] = u[k]
             now.du[part][place] = du[k] if du else 0.0

@@ -22,7 +22,6 @@ from typing import Annotated, Any, get_type_hints
 
 from ..numeric.ops import NEVER, Value
 
-
 EVERY_INPUT = ("*",)
 """For ``also``: all inputs of the model."""
 

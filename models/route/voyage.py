@@ -26,7 +26,7 @@ from dataclasses import make_dataclass
 from typing import Annotated, Any, NamedTuple
 
 from ..numeric.ops import Ops, Value
-from ..protocol.model import Model
+from ..protocol.model import AnyModel, Model
 from ..protocol.variables import Quantity, Rate, margin, output, parameter
 
 POINTS = 25
@@ -154,7 +154,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Any, ops: Op
     return Outputs._make([*values, share, known, *rates])
 
 
-VOYAGE = Model(
+VOYAGE: AnyModel = Model(
     "voyage",
     "Voyage along a computed route: position, heading, speed and the sea met, from a table",
     Parameters, State, Modes, Inputs, Outputs,

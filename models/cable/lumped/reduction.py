@@ -27,9 +27,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import matrix_balance, solve_continuous_lyapunov
 
+from ...numeric.arrays import Array
 from ..case import CableError
 from ..steady.perturbation import ComplexArray
-from ...numeric.arrays import Array
 from .linear import BODY_VELOCITY, FORCE, StateSpace
 
 FREQUENCIES = 40
