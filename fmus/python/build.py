@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import uuid
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -47,13 +48,21 @@ def staged_modules(unit_name: str) -> dict[str, bytes]:
             todo.append(package)
         elif "." in package:
             todo.append(package.rpartition(".")[0])
-        for node in ast.walk(ast.parse(text)):
+        for node in _executed(ast.parse(text)):
             if isinstance(node, ast.ImportFrom) and node.level:
                 parts = package.split(".")
                 base = ".".join([*parts[: len(parts) - node.level + 1], *(node.module or "").split(".")]).strip(".")
                 members = [f"{base}.{alias.name}" for alias in node.names]
                 todo += [member for member in members if _file(member).is_file()] or [base]
     return found
+
+
+def _executed(node: ast.AST) -> Iterator[ast.AST]:
+    """``node`` and all below it but what stands there for type checkers alone."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
+            yield from _executed(child)
 
 
 def _file(module: str) -> Path:

@@ -29,8 +29,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eig, svd
 
+from ..numeric.arrays import ComplexArray
 from .coefficients import Body
-from .galerkin import Complex, Matrices
+from .galerkin import Matrices
 from .modes import FUNCTIONS, matrices, roots
 from .tracking import track
 
@@ -118,7 +119,7 @@ def oscillatory(
 ) -> list[Critical]:
     """Oscillatory critical points for u in (0, ``u_max``] with omega < ``within``, by frequency (which is by mode).
 
-    Complex roots are followed from one speed of a grid to the next; where Re s changes sign, Newton finds the point.
+    ComplexArray roots are followed from one speed of a grid to the next; where Re s changes sign, Newton finds the point.
     """
     m = matrices(body, n)
     speeds = np.linspace(step, u_max, round(u_max / step))
@@ -165,7 +166,7 @@ def double_roots(
     watched on a grid of ``step`` and Newton finds the point."""
     m = matrices(body, n)
     found: list[DoubleRoot] = []
-    before: Complex | None = None
+    before: ComplexArray | None = None
     for u in np.linspace(step, u_max, round(u_max / step)):
         s = roots(m, float(u))
         s = s[np.abs(s) < within]

@@ -35,9 +35,10 @@ import math
 
 import numpy as np
 
+from ..numeric.arrays import Array
 from ..numeric.matrix_ops import Matrix, MatrixOps
 from ..numeric.ops import Value
-from .galerkin import Array, Matrices
+from .galerkin import Matrices
 
 FAST = 800.0
 """kappa, in 1/tau, above which a mode of (K0, M) is beyond the resolution that the unit promises (|s| < 125/tau)."""

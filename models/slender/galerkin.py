@@ -23,14 +23,11 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..numeric.arrays import Array, ComplexArray
 from ..numeric.matrix_ops import Matrix, MatrixOps, numbers
 from ..numeric.ops import Value
 from .coefficients import Numbers, coefficients, ends
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class StateSpace(NamedTuple):
@@ -76,12 +73,12 @@ class Matrices:
         """(D, K) at tow speed ``u``."""
         return self.nu * self.bending + u * self.damping + self.extra, self.bending + u * u * self.stiffness
 
-    def pencil(self, u: float, s: complex) -> Complex:
+    def pencil(self, u: float, s: complex) -> ComplexArray:
         """s^2 M + s D + K, shape (n, n)."""
         d, k = self.first_order(u)
         return np.asarray(s * s * self.mass + s * d + k, dtype=complex)
 
-    def speed_derivative(self, u: float, s: complex) -> Complex:
+    def speed_derivative(self, u: float, s: complex) -> ComplexArray:
         """Derivative of `pencil` by u."""
         return np.asarray(s * self.damping + 2.0 * u * self.stiffness, dtype=complex)
 

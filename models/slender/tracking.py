@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from .galerkin import Complex, Matrices
+from ..numeric.arrays import Array, ComplexArray
+from .galerkin import Matrices
 from .modes import modes, rates_of_change
-
-Array = NDArray[np.float64]
 
 
 @dataclass
@@ -29,7 +28,7 @@ class Path:
     """One mode over the speeds: ``roots`` of shape (len(speeds), 2), with Im >= 0 first, the larger first where both are
     real."""
 
-    roots: Complex
+    roots: ComplexArray
 
     @property
     def total(self) -> Array:
@@ -78,11 +77,11 @@ def _ordered(a: complex, b: complex) -> tuple[complex, complex]:
     return (a, b) if (a.imag, a.real) >= (b.imag, b.real) else (b, a)
 
 
-def _conjugate(s: Complex, i: int) -> int:
+def _conjugate(s: ComplexArray, i: int) -> int:
     return int(np.argmin(np.abs(s - np.conj(s[i]))))
 
 
-def _pairs(s: Complex, within: float) -> list[tuple[int, int]]:
+def _pairs(s: ComplexArray, within: float) -> list[tuple[int, int]]:
     """Conjugate pairs and neighbouring real exponents, by magnitude of the first; a last single real one joins the next
     real one beyond ``within``, if there is one."""
     found: list[tuple[int, int]] = []
@@ -99,7 +98,7 @@ def _pairs(s: Complex, within: float) -> list[tuple[int, int]]:
     return sorted(found)
 
 
-def _repair(pairs: list[tuple[int, int]], s: Complex) -> list[tuple[int, int]]:
+def _repair(pairs: list[tuple[int, int]], s: ComplexArray) -> list[tuple[int, int]]:
     """Partners such that every pair is conjugate or real: complex exponents get their conjugate, real ones left without
     partner find each other in the order of the paths."""
     result: list[tuple[int, int] | None] = []

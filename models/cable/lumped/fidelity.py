@@ -18,9 +18,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...numeric.arrays import ComplexArray
 from ...numeric.matrix_ops import MatrixOps, numbers
 from ..case import CableError, Tow
-from ..steady.perturbation import ComplexArray, Excitation, Response
+from ..steady.perturbation import Excitation, Response
 from ..steady.response import mesh, responses
 from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .reduction import reduce, relative_error

@@ -25,11 +25,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import matrix_balance, solve_continuous_lyapunov
 
-from ...numeric.arrays import Array
+from ...numeric.arrays import Array, ComplexArray
 from ..case import CableError
-from ..steady.perturbation import ComplexArray
 from .linear import BODY_VELOCITY, FORCE, StateSpace
 
 FREQUENCIES = 40
@@ -102,6 +100,8 @@ Build = Callable[[int], StateSpace | None]
 
 def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
     """Function of the number of states that gives the reduced model, or None."""
+    from scipy.linalg import matrix_balance, solve_continuous_lyapunov  # loads slowly, see `exact_step`
+
     rows = np.r_[FORCE, BODY_VELOCITY]
     # outputs and inputs measured by what passes between them in the band
     out = 1.0 / np.abs(exact[:, rows, :2]).max(axis=(0, 2))

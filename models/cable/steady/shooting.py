@@ -9,8 +9,6 @@ towpoint the answer carries a relative error of about 1e-16 k. `respond_by_shoot
 `LOST`. Measured against collocation: 600 ft at 0.8 Hz 3e-10, 1200 ft 3e-5, 600 ft at 5 Hz 0.35, 5 km from 0.1 Hz no
 digit. The source's own program stops far earlier, at its frozen coefficients (first order, 0.1 to 5 %).
 
-`respond` of ``response.py`` offers it as method "shooting".
-
 Source: small-perturbation report on towed cables, Equations [45]-[50], programs OMWAY and OMFLO; coefficients here are
 exact, the integrator is of order 8.
 """
@@ -23,10 +21,11 @@ import warnings
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ...numeric.arrays import Array, ComplexArray
 from ..case import CableError, Tow
-from .perturbation import ComplexArray, Excitation, Response, body_rows, coefficients, towpoint_values
+from .perturbation import Excitation, Response, body_rows, coefficients, towpoint_values
 from .response import check_frequency, mesh
-from .steady import Array, Steady, slopes
+from .steady import Steady, slopes
 
 LOST = 1e-6
 """Estimated relative error from which the modes count as dependent."""
