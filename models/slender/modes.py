@@ -12,7 +12,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import eig
 
 from ..numeric.arrays import ComplexArray
 from ..numeric.matrix_ops import numbers
@@ -43,6 +42,8 @@ def modes(system: Matrices, u: float, vectors: bool = True) -> tuple[ComplexArra
     if not vectors:
         s = np.linalg.eigvals(a).astype(complex)
         return s[np.argsort(np.abs(s), kind="stable")], np.empty((n, 0), complex), np.empty((n, 0), complex)
+    from scipy.linalg import eig  # loads slowly, see `exact_step`
+
     s, left, right = eig(a, left=True, right=True)
     order = np.argsort(np.abs(s), kind="stable")
     # a left vector (p, r) of the companion form has r^H M^-1 as the left vector of the pencil
