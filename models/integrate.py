@@ -23,6 +23,10 @@ Rates = Callable[[float, Vector], Sequence[float]]
 Indicators = Callable[[float, Vector], Sequence[float]]
 
 
+SMALLEST = 2.2250738585072014e-308
+"""The smallest normal number: an error of that size is rounding whatever the tolerance, which may have underflowed."""
+
+
 class IntegrationError(ArithmeticError):
     """No acceptable step: the message gives time, step and the state."""
 
@@ -93,7 +97,7 @@ def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: 
         largest = 0.0
         for e, a, b, tiny in zip(error, x, y, atol):
             a, b = abs(a), abs(b)
-            r = abs(e) / (tiny + rtol * (a if a > b else b))
+            r = abs(e) / (tiny + rtol * (a if a > b else b) + SMALLEST)
             if not r <= largest:
                 largest = r
         worst[which] = largest
@@ -234,11 +238,12 @@ def _locate(
         size = high - low
         if size <= width:
             break
-        if slow < 2:
+        if slow < 2 and g_high != g_low:  # halved values may underflow, both to zero
             s = high - g_high * size / (g_high - g_low) + 0.3 * width
         else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
             s, slow = low + 0.5 * size, 0
-        s = min(max(s, low + 0.5 * width), high - 0.5 * width)
+        s = s if s > low + 0.5 * width else low + 0.5 * width  # also where s is no number
+        s = min(s, high - 0.5 * width)
         y_s, f_s, g_s, changed = ahead(s)
         if changed < 0:
             low, g_low = s, g_s[which]

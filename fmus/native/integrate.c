@@ -4,6 +4,7 @@
 
 #include "integrate.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -88,7 +89,7 @@ static double error_ratio(const Work *w, const double *x, double h, double rtol,
         const double a = fabs(x[i]), b = fabs(w->y[i]);
         const double error = h * (71.0 / 57600 * k[0][i] - 71.0 / 16695 * k[2][i] + 71.0 / 1920 * k[3][i]
                                   - 17253.0 / 339200 * k[4][i] + 22.0 / 525 * k[5][i] - 1.0 / 40 * k[6][i]);
-        const double ratio = fabs(error) / (atol + rtol * (a > b ? a : b));
+        const double ratio = fabs(error) / (atol + rtol * (a > b ? a : b) + DBL_MIN);
         if (!(ratio <= largest))
             largest = ratio;
     }
@@ -166,7 +167,7 @@ static double locate(const Work *w, double t, const double *x, double h)
     int last = 0, slow = 0;
     for (int n = 0; n < MAX_TRIALS && high - low > width; n++) {
         double size = high - low, s;
-        if (slow < 2) {
+        if (slow < 2 && g_high != g_low) { /* halved values may underflow, both to zero */
             s = high - g_high * size / (g_high - g_low) + 0.3 * width;
         } else { /* the rule stalls where the indicator touches zero */
             s = low + 0.5 * size;
