@@ -121,7 +121,7 @@ class System:
     @property
     def rounding(self) -> float:
         """What the stretch W/K + x - y cannot tell from zero, m."""
-        return 2.0**-52 * self.line.static_tension / self.stiffness
+        return 2.0**-52 * float(self.line.static_tension) / self.stiffness
 
 
 class Simulation:
