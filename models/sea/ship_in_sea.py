@@ -295,7 +295,9 @@ def _carry(total: float, low: float, more: float) -> tuple[float, float]:
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of the response, as `ship.advance`, and the looks that fall due within the step."""
-    z, z_rate = _responded(h, x, cubics, p, ops)
+    z, z_rate = exact_oscillation(
+        h, x.response, x.response_rate, cubics.reaction, p.mass, p.damping, p.stiffness, ops
+    )
     x = State(z, z_rate, *x[2:18], 1.0)
     interval = p.update_interval
     while True:
@@ -304,13 +306,6 @@ def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameter
             return x
         s = due - t
         x = _looked(x, sea_of(Inputs(*(a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in cubics))), interval)
-
-
-def _responded(h: Value, x: State, cubics: Inputs, p: Parameters, ops: Ops) -> tuple[Value, Value]:
-    """The response to the line and its rate after ``h``, s."""
-    r0, r1, r2, r3 = cubics.reaction
-    force = -r0, -r1, -r2, -r3
-    return exact_oscillation(h, x.response, x.response_rate, force, p.mass, p.damping, p.stiffness, ops)
 
 
 def _looked(x: State, sea: Sea, interval: Value) -> State:
@@ -334,7 +329,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     free, free_rate = r * value, r * rate + r1 * value
     free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
     z, z_rate = x.response, x.response_rate
-    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
+    z_rate2 = acceleration(z, z_rate, u.reaction, p.mass, p.damping, p.stiffness)
     deviation = math.sqrt(variance)
     limit = 2.0 * p.sdof_tolerance * deviation
     sdof = 1.0 - abs(z) / limit if limit > 0.0 else 1.0
