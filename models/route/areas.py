@@ -93,10 +93,10 @@ class Cells:
             return np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
         longest = float(np.max(np.hypot(x1 - x0, y1 - y0), initial=0.0))
         n = max(2, int(np.ceil(2.0 * longest / min(self.dx, self.dy))))
-        found = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
+        crossed = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
         for k in range(1, n + 1):
-            found |= self.contains(x0 + (x1 - x0) * (k / n), y0 + (y1 - y0) * (k / n))
-        return found
+            crossed |= self.contains(x0 + (x1 - x0) * (k / n), y0 + (y1 - y0) * (k / n))
+        return crossed
 
 
 Area = Disc | Polygon | Cells
@@ -104,10 +104,10 @@ Area = Disc | Polygon | Cells
 
 def blocked(areas: Sequence[Area], x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
     """Whether any area is in the way."""
-    found = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
+    blocking = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
     for area in areas:
-        found |= area.blocks(x0, y0, x1, y1)
-    return found
+        blocking |= area.blocks(x0, y0, x1, y1)
+    return blocking
 
 
 def containing(areas: Sequence[Area], x: float, y: float) -> Area | None:

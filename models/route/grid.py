@@ -138,8 +138,8 @@ class GridField:
         both = (np.stack([wy, dy / self.y.step], axis=1) @ block.reshape(k, 4, 16)).reshape(k, 2, 4, 4)
         value = np.stack([wx, dx / self.x.step], axis=1) @ both[:, 0]
         slope = wx[:, None] @ both[:, 1]
-        found = np.concatenate([value, slope], axis=1)  # (k, 3, 4)
-        return np.asarray(np.moveaxis(found, 0, -1).reshape(3, 4, *shape))
+        both = np.concatenate([value, slope], axis=1)  # (k, 3, 4)
+        return np.asarray(np.moveaxis(both, 0, -1).reshape(3, 4, *shape))
 
     def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea; beyond the edge that of the edge, without a gradient meaning."""

@@ -169,10 +169,10 @@ def tracks(
     k = len(alpha)
     first, last = np.array(alpha, dtype=float), np.array(time, dtype=float)
     _, history = _fly(medium, start, np.concatenate([first, first + DELTA]), np.tile(last, 2), steps, keep=True)
-    found = []
+    tracks = []
     for i in range(k):
         x, y, lx, ly = (history[:, c, i] for c in range(4))
         size = np.hypot(lx, ly)
         j = (lx / size * (history[:, 1, k + i] - y) - ly / size * (history[:, 0, k + i] - x)) / DELTA
-        found.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j))
-    return found
+        tracks.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j))
+    return tracks

@@ -67,14 +67,14 @@ def spectrum(system: Matrices, u: float, count: int) -> ComplexArray:
     s, right, left = modes(system, u)
     chosen = np.flatnonzero(s.imag >= 0.0)[:count]
     d, k = system.first_order(u)
-    found = s[chosen]
-    for place, (value, v, w) in enumerate(zip(found, right[:, chosen].T, left[:, chosen].conj().T)):
+    exponents = s[chosen]
+    for place, (value, v, w) in enumerate(zip(exponents, right[:, chosen].T, left[:, chosen].conj().T)):
         mv, dv = system.mass @ v, d @ v
         below = w @ (2.0 * value * mv + dv)
         step = -(w @ (value * value * mv + value * dv + k @ v)) / below if below else 0.0
         if abs(step) < 1e-6 * abs(value):
-            found[place] = value + (step if value.imag else step.real)
-    return np.asarray(found[np.argsort(np.abs(found), kind="stable")])
+            exponents[place] = value + (step if value.imag else step.real)
+    return np.asarray(exponents[np.argsort(np.abs(exponents), kind="stable")])
 
 
 def rates_of_change(system: Matrices, u: float, s: ComplexArray, right: ComplexArray, left: ComplexArray) -> ComplexArray:

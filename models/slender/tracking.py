@@ -84,18 +84,18 @@ def _conjugate(s: ComplexArray, i: int) -> int:
 def _pairs(s: ComplexArray, within: float) -> list[tuple[int, int]]:
     """Conjugate pairs and neighbouring real exponents, by magnitude of the first; a last single real one joins the next
     real one beyond ``within``, if there is one."""
-    found: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     waiting: int | None = None
     for i, value in enumerate(s):
         if value.imag > 0.0 and abs(value) < within:
-            found.append((i, _conjugate(s, i)))
+            pairs.append((i, _conjugate(s, i)))
         elif value.imag == 0.0:
             if waiting is not None:
-                found.append((waiting, i))
+                pairs.append((waiting, i))
                 waiting = None
             elif abs(value) < within:
                 waiting = i
-    return sorted(found)
+    return sorted(pairs)
 
 
 def _repair(pairs: list[tuple[int, int]], s: ComplexArray) -> list[tuple[int, int]]:

@@ -85,8 +85,8 @@ def choose(
     count = nodes or 10
     for _ in range(5):
         model = build(tow_used, count)
-        found = np.array([_gains(model, omega) for omega in frequencies])
-        error = relative_error(found, exact, counted)
+        gains = np.array([_gains(model, omega) for omega in frequencies])
+        error = relative_error(gains, exact, counted)
         if nodes or error <= target or count >= MOST:
             break
         count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))

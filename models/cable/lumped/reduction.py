@@ -61,12 +61,12 @@ def transfer(model: StateSpace, frequencies: Array) -> ComplexArray:
     return gains
 
 
-def relative_error(found: ComplexArray, exact: ComplexArray, inputs: int = 4) -> float:
+def relative_error(gains: ComplexArray, exact: ComplexArray, inputs: int = 4) -> float:
     """The measure of the module's text, for the first ``inputs`` of the inputs."""
     worst = 0.0
     for rows in (FORCE, BODY_VELOCITY):
         size = np.abs(exact[:, rows, :inputs]).max(axis=1)
-        difference = np.abs(found[:, rows, :inputs] - exact[:, rows, :inputs]).max(axis=1)
+        difference = np.abs(gains[:, rows, :inputs] - exact[:, rows, :inputs]).max(axis=1)
         keep = size > 0.0
         worst = max(worst, float((difference[keep] / size[keep]).max(initial=0.0)))
     return worst
@@ -160,10 +160,10 @@ def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: i
     sizes = np.cumsum(width[order])
 
     def build(states: int) -> StateSpace | None:
-        found = np.flatnonzero(sizes == states)
-        if not len(found):
+        whole = np.flatnonzero(sizes == states)
+        if not len(whole):
             return None
-        kept, gone = order[: found[0] + 1], order[found[0] + 1 :]
+        kept, gone = order[: whole[0] + 1], order[whole[0] + 1 :]
         a, b, c = [], [], []
         for i in kept:
             re, im = values[i].real, values[i].imag

@@ -63,10 +63,10 @@ def respond_by_shooting(
     points = 0.5 * (left + right) + 0.5 * (right - left) * nodes
     points[:, 0], points[:, -1] = state.edges[:-1], state.edges[1:]
     times, index = np.unique(points.ravel(), return_inverse=True)
-    found = solve_ivp(rates, (0.0, tow.cable.length), initial, "DOP853", rtol=1e-12, atol=1e-14, t_eval=times)
-    if not found.success or not np.all(np.isfinite(found.y)):
-        raise CableError(f"shooting failed: {found.message}")
-    modes = np.ascontiguousarray(found.y[2:].T).view(complex).reshape(-1, 4, 3)
+    solution = solve_ivp(rates, (0.0, tow.cable.length), initial, "DOP853", rtol=1e-12, atol=1e-14, t_eval=times)
+    if not solution.success or not np.all(np.isfinite(solution.y)):
+        raise CableError(f"shooting failed: {solution.message}")
+    modes = np.ascontiguousarray(solution.y[2:].T).view(complex).reshape(-1, 4, 3)
     top = modes[-1]
     condition = float(np.linalg.cond(top[:, :2] / np.linalg.norm(top[:, :2], axis=0)))
     wanted = towpoint_values(omega, float(state.angle[-1, -1]), excitation) / velocity

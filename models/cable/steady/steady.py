@@ -129,21 +129,21 @@ def graded_edges(tow: Tow) -> Array:
         return float(y[1] - start[1]) + 60.0
 
     leaves.terminal = vanishes.terminal = True  # type: ignore[attr-defined]
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (0.0, tow.cable.length), start, "DOP853", rtol=1e-8, atol=1e-8, events=(leaves, vanishes),
     )  # fmt: skip
-    if found.status == 1:
-        where = float(found.t[-1])
-        if len(found.t_events[0]):
+    if solution.status == 1:
+        where = float(solution.t[-1])
+        if len(solution.t_events[0]):
             raise CableError(
                 f"the cable leaves Quadrant {'I' * tow.quadrant} at {where:.6g} of {tow.cable.length:g} from the body "
-                f"(angle {math.degrees(found.y[0, -1]):.4g} deg): the loading is not valid there; expected a shorter "
+                f"(angle {math.degrees(solution.y[0, -1]):.4g} deg): the loading is not valid there; expected a shorter "
                 "or lighter cable, or more pull of the body"
             )
         raise CableError(f"the cable has no tension at {where:.6g} of {tow.cable.length:g} from the body")
-    if not found.success or len(found.t) > MAX_STEPS:
-        raise CableError(f"the steady shape was not found within {MAX_STEPS} steps: {found.message}")
-    edges: Array = found.t
+    if not solution.success or len(solution.t) > MAX_STEPS:
+        raise CableError(f"the steady shape was not found within {MAX_STEPS} steps: {solution.message}")
+    edges: Array = solution.t
     return edges
 
 
