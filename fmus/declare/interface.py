@@ -1,5 +1,5 @@
 """What an FMU shows: the variables that both flavours share and, for the native one, its continuous states, their
-derivatives and the extras of a linear unit, in the order of ``native/runtime/unit.h``.
+derivatives and the extras of a linear unit, in the order of ``native/runtime/core/unit.h``.
 """
 
 from __future__ import annotations
@@ -7,11 +7,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 from .unit import Unit, Variable, local, per_second
 
 Positions = tuple[tuple[int, ...], ...]
 """For each of several things, the positions of others on which it depends."""
+
+
+class References(NamedTuple):
+    """The first value reference of each kind of variable; parameters begin at 0. Each input has three derivatives; `state`
+    and what follows are native only."""
+
+    calculated: int
+    input: int
+    derivative: int
+    observed: int
+    state: int
+    rate: int
+    extra: int
 
 
 @dataclass(frozen=True)
@@ -53,35 +67,32 @@ class Interface:
         rates = tuple(local(f"der({v.name})", per_second(v.unit), f"Time derivative of {v.name}") for v in states)
         return self.shared + states + rates + self.extras
 
-    @property
-    def first_state(self) -> int:
-        """Value reference of the first state."""
-        return len(self.unit.variables)
-
-    @property
-    def first_derivative(self) -> int:
-        """Value reference of the first state's derivative."""
-        return self.first_state + len(self.states)
-
-    @property
-    def first_extra(self) -> int:
-        """Value reference of the first extra."""
-        return self.first_derivative + len(self.states)
+    @cached_property
+    def first(self) -> References:
+        """The first value reference of each kind."""
+        unit = self.unit
+        observed = len(unit.variables) - len(unit.observed)
+        derivative = observed - len(unit.input_derivatives)
+        before = derivative - len(unit.inputs)
+        state = len(unit.variables)
+        rate = state + len(self.states)
+        return References(
+            before - len(unit.calculated), before, derivative, observed, state, rate, rate + len(self.states)
+        )
 
     def depends(self, reference: int) -> list[int]:
         """Value references of the inputs and states that act without delay on an observed variable or a derivative.
         Those of observed variables are declared, as an event may act through a mode."""
         unit = self.unit
-        first_input = unit.index[unit.inputs[0].name] if unit.inputs else 0
-        if reference < self.first_state:
+        if reference < self.first.state:
             inputs = [unit.index[name] for name in unit.variables[reference].depends]
-            position = reference - (self.first_state - len(unit.observed))
+            position = reference - self.first.observed
             states = self.observed_states[position] if self.observed_states else ()
         else:
-            position = reference - self.first_derivative
-            inputs = [first_input + k for k in self.derivative_inputs[position]]
+            position = reference - self.first.rate
+            inputs = [self.first.input + k for k in self.derivative_inputs[position]]
             states = self.derivative_states[position]
-        return inputs + [self.first_state + k for k in states]
+        return inputs + [self.first.state + k for k in states]
 
 
 def declared_states(unit: Unit) -> tuple[Variable, ...]:

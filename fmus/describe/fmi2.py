@@ -75,10 +75,10 @@ def _document(root: Element, interface: Interface) -> bytes:
     variables = SubElement(root, "ModelVariables")
     for reference, v in enumerate(interface.variables):
         real = _variable(variables, reference, v)
-        state = reference - interface.first_state
+        state = reference - interface.first.state
         if 0 <= state < len(interface.states) and interface.reinit[state]:
             real.set("reinit", "true")
-        if interface.first_derivative <= reference < interface.first_extra:
+        if interface.first.rate <= reference < interface.first.extra:
             real.set("derivative", str(reference - len(interface.states) + 1))
     _structure(root, interface)
     return document(root)
@@ -135,8 +135,8 @@ def _variable(parent: Element, reference: int, v: Variable) -> Element:
 def _structure(root: Element, interface: Interface) -> None:
     structure = SubElement(root, "ModelStructure")
     outputs = [i for i, v in enumerate(interface.variables) if v.causality == "output"]
-    states = range(interface.first_state, interface.first_derivative)
-    derivatives = range(interface.first_derivative, interface.first_extra)
+    states = range(interface.first.state, interface.first.rate)
+    derivatives = range(interface.first.rate, interface.first.extra)
     calculated = [i for i, v in enumerate(interface.variables) if v.causality == "calculatedParameter"]
     for title, references in (("Outputs", outputs), ("Derivatives", derivatives)):
         if references:

@@ -47,10 +47,10 @@ def model_description3(interface: Interface, identifier: str, token: str) -> byt
     for reference, count in enumerate(counts):
         if count:
             element = _variable(node, reference, variables[reference : reference + count])
-            state = reference - interface.first_state
+            state = reference - interface.first.state
             if 0 <= state < len(interface.states) and any(interface.reinit[state : state + count]):
                 element.set("reinit", "true")
-            if interface.first_derivative <= reference < interface.first_extra:
+            if interface.first.rate <= reference < interface.first.extra:
                 element.set("derivative", str(reference - len(interface.states)))
     time = len(variables)
     SubElement(
@@ -92,8 +92,8 @@ def _dimension(element: Element, count: int) -> None:
 def _structure(node: Element, interface: Interface, counts: Sequence[int]) -> None:
     declared = [(i, v) for i, (v, count) in enumerate(zip(interface.variables, counts)) if count]
     outputs = [i for i, v in declared if v.causality == "output"]
-    states = [i for i, _ in declared if interface.first_state <= i < interface.first_derivative]
-    derivatives = [i for i, _ in declared if interface.first_derivative <= i < interface.first_extra]
+    states = [i for i, _ in declared if interface.first.state <= i < interface.first.rate]
+    derivatives = [i for i, _ in declared if interface.first.rate <= i < interface.first.extra]
     calculated = [i for i, v in declared if v.causality == "calculatedParameter"]
     time = len(interface.variables)
 

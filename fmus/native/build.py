@@ -19,7 +19,9 @@ from ..describe.fmi2 import document, native_model_description
 from ..describe.fmi3 import model_description3
 from ..python.build import NAMESPACE
 from . import compiler
+from .constants import constants_header
 from .source import model_source, unit_source
+from .stages import runtime_stages
 from .trace import trace
 from .traced import Traced
 
@@ -27,10 +29,12 @@ RUNTIME = Path(__file__).resolve().parent / "runtime"
 
 
 def runtime_sources(fmi: int) -> dict[str, bytes]:
-    """The C files of the runtime, without those of the other version of FMI."""
+    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, and those that are
+    made from Python. The archive has them in one folder: FMI 2 names files in ``sources/`` alone."""
     other = "fmi3" if fmi == 2 else "fmi2"
-    files = [file for kind in ("*.c", "*.h") for file in RUNTIME.glob(kind)]
-    return {file.name: file.read_bytes() for file in sorted(files) if not file.name.startswith(other)}
+    files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name != other)
+    made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
+    return {file.name: file.read_bytes() for file in files} | made
 
 
 def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:

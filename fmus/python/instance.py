@@ -309,7 +309,7 @@ class Instance:
         while self._next_event:
             event = self._next_event(time + done, self._m, self._p, FLOATS)
             due = event - time
-            if not done < due < step * (1.0 - 1e-12):
+            if not done < due < step * (1.0 - EVENT_TOLERANCE):
                 break
             self._integrate(time, done, due)
             done = due

@@ -22,6 +22,21 @@ Vector = tuple[float, ...]
 Rates = Callable[[float, Vector], Sequence[float]]
 Indicators = Callable[[float, Vector], Sequence[float]]
 
+SAFETY, LEAST_GROWTH, MOST_GROWTH = 0.9, 0.2, 5.0
+"""Factor on the step that the error asks for; the least and the most by which a step changes."""
+RESCUE, NO_NUMBER = 0.1, 1e300
+"""Factor on a step whose error is no number, or this much over its tolerance."""
+LANDING = 0.999999
+"""A step longer than this share of what is left goes to the end."""
+MAX_STEPS, MAX_TRIALS = 100_000, 200
+"""Steps in one call; trials to locate an event."""
+EVENT_WIDTH, TIME_WIDTH = 1e-12, 1e-15
+"""Width of the bracket of an event, relative to the step and to the time (4 units in the last place)."""
+BEYOND = 0.3
+"""An event is sought so many widths beyond the zero of the secant, so that the next bracket is short."""
+TINY = 1e-300
+"""Keeps a share of zero by zero a number."""
+
 
 class IntegrationError(ArithmeticError):
     """No acceptable step: the message gives time, step and the state."""
@@ -115,7 +130,7 @@ def integrate(
     on_event: Callable[[float, Vector], Vector] | None = None,
     first_step: float = 0.0,
     method: Tableau = DORMAND_PRINCE_5,
-    max_steps: int = 100_000,
+    max_steps: int = MAX_STEPS,
     on_step: Callable[[float, Vector, Sequence[float], float, Vector, Sequence[float]], None] | None = None,
 ) -> tuple[Vector, float]:
     """Integrate x' = rates(t, x) from ``t`` to ``t_end``; returns (x(t_end), a step to begin the next call with).
@@ -138,18 +153,18 @@ def integrate(
         steps += 1
         if steps > max_steps:
             raise IntegrationError(f"{max_steps} steps were not enough to reach t = {t_end} (now t = {t}, x = {x})")
-        if h > 0.999999 * left:
+        if h > LANDING * left:
             trial, landing = left, t_end
         else:
             trial, landing = h, t + h
         y, f_new, errors = step(rates, t, x, f, trial)
         ratio = _ratio(errors, x, y, rtol, atol)
         if not ratio <= 1.0:
-            h = trial * (max(0.2, 0.9 * ratio**exponent) if ratio < 1e300 else 0.1)
+            h = trial * (max(LEAST_GROWTH, SAFETY * ratio**exponent) if ratio < NO_NUMBER else RESCUE)
             if not t + h > t:
                 raise IntegrationError(f"no step is small enough at t = {t}, x = {x}: the rates are {tuple(f)}")
             continue
-        grown = trial * min(5.0, 0.9 * ratio**exponent) if ratio > 1e-9 else 5.0 * trial
+        grown = trial * min(MOST_GROWTH, SAFETY * ratio**exponent) if ratio > 1e-9 else MOST_GROWTH * trial
         event = False
         if indicators:
             g_new = indicators(landing, y)
@@ -217,7 +232,7 @@ def _locate(
         y, f_new, _ = step(rates, t, x, f, s)
         g_new = indicators(t + s, y)
         changed = [i for i, (a, b) in enumerate(zip(g, g_new)) if (a > 0.0) != (b > 0.0)]
-        best = min(changed, key=lambda i: abs(g[i]) / (abs(g[i]) + abs(g_new[i]) + 1e-300), default=-1)
+        best = min(changed, key=lambda i: abs(g[i]) / (abs(g[i]) + abs(g_new[i]) + TINY), default=-1)
         return y, f_new, g_new, best
 
     low, high = 0.0, h
@@ -228,14 +243,14 @@ def _locate(
         if which < 0:
             return h, *ahead(h)[:3]
     g_low, g_high, last = g[which], g_new[which], 0
-    width = max(1e-12 * h, 1e-15 * abs(t))
+    width = max(EVENT_WIDTH * h, TIME_WIDTH * abs(t))
     slow = 0
-    for _ in range(200):
+    for _ in range(MAX_TRIALS):
         size = high - low
         if size <= width:
             break
         if slow < 2:
-            s = high - g_high * size / (g_high - g_low) + 0.3 * width
+            s = high - g_high * size / (g_high - g_low) + BEYOND * width
         else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
             s, slow = low + 0.5 * size, 0
         s = min(max(s, low + 0.5 * width), high - 0.5 * width)

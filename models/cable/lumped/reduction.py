@@ -36,6 +36,8 @@ FREQUENCIES = 40
 """Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
 BAND_START = 0.02
 """rad/s; low end of the band, a period of five minutes."""
+NEGLIGIBLE = 1e-12
+"""Hankel singular values below this share of the largest are rounding."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def _balanced(model: LinearModel, exact: ComplexArray, inputs: int) -> Build:
     controllability = _root(solve_continuous_lyapunov(a, -b @ b.T))
     observability = _root(solve_continuous_lyapunov(a.T, -c.T @ c))
     u, s, vt = np.linalg.svd(observability.T @ controllability)
-    count = int((s > 1e-12 * s[0]).sum())
+    count = int((s > NEGLIGIBLE * s[0]).sum())
     root = 1.0 / np.sqrt(s[:count])
     right = controllability @ vt[:count].T * root
     left = observability @ u[:, :count] * root
