@@ -55,7 +55,8 @@ def output(command: list[str | Path], text: str = "") -> str:
 def compiled(folder: Path, name: str, sources: list[Path], *include: Path) -> Path:
     """A C program."""
     program = folder / name
-    command = [*compiler.compiler(compiler.host()), *FLAGS, *(f"-I{place}" for place in include), "-o", program, *sources, "-ldl", "-lm"]
+    places = [f"-I{place}" for place in include]
+    command = [*compiler.compiler(compiler.host()), *FLAGS, *places, "-o", program, *sources, "-ldl", "-lm"]
     subprocess.run(command, check=True)
     return program
 
