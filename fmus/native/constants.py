@@ -25,6 +25,10 @@ NUMBERS = {
     "SAFETY": (integrate.SAFETY, "factor on the step that the error asks for"),
     "MOST_GROWTH": (integrate.MOST_GROWTH, "of a step from one to the next"),
     "LEAST_GROWTH": (integrate.LEAST_GROWTH, "likewise, after a step that was refused"),
+    "EASY": (
+        0.95 * (integrate.SAFETY / integrate.MOST_GROWTH) ** integrate.DORMAND_PRINCE_5.order,
+        "ratio of error to tolerance below which a step grows by MOST_GROWTH, whatever the power is",
+    ),
     "RESCUE": (integrate.RESCUE, "factor on a step whose error is no number"),
     "NO_NUMBER": (integrate.NO_NUMBER, "an error over its tolerance beyond which it says nothing"),
     "LANDING": (integrate.LANDING, "a step longer than this share of what is left goes to the end"),
@@ -32,7 +36,8 @@ NUMBERS = {
     "TIME_WIDTH": (integrate.TIME_WIDTH, "likewise, relative to the time"),
     "BEYOND": (integrate.BEYOND, "how far beyond the zero it is sought, in widths"),
     "TINY": (integrate.TINY, "keeps a share of zero by zero a number"),
-    "BAND_START": (reduction.BAND_START, "rad/s"),
+    "BAND_START": (reduction.BAND_START, "rad/s, low end of the band"),
+    "BAND_SHARE": (reduction.BAND_SHARE, "of the high end, at most"),
     "NEGLIGIBLE": (reduction.NEGLIGIBLE, "Hankel singular values below this share of the largest are rounding"),
     "LEAST_SHARE": (fidelity.LEAST_SHARE, "of the tolerance that the reduction may use, whatever the segments took"),
     "PADE_NORM": (damping.PADE_NORM, "1-norm up to which the approximant of exp is exact to rounding"),
@@ -53,9 +58,13 @@ LISTS = {
 """Initializers of arrays of strings."""
 
 
+def definitions(*names: str) -> list[str]:
+    """Definitions of some of ``NUMBERS``, to the last bit."""
+    return [f"#define {name} {NUMBERS[name][0]!r} /* {NUMBERS[name][1]} */" for name in names]
+
+
 def constants_header() -> str:
-    """The text; every number reads back to the last bit."""
-    numbers = [f"#define {name} {value!r} /* {meaning} */" for name, (value, meaning) in NUMBERS.items()]
+    """The text of ``constants.h``."""
     counts = [f"    {name} = {value}, /* {meaning} */" for name, (value, meaning) in COUNTS.items()]
     lists = [f"#define {name} {_initializer(map(text, words))}" for name, words in LISTS.items()]
     enums = (
@@ -66,7 +75,7 @@ def constants_header() -> str:
     return "\n".join([
         "/* What C and Python share: made from the definitions in Python by fmus/native/constants.py. */",
         "#ifndef TOWAGE_CONSTANTS_H", "#define TOWAGE_CONSTANTS_H", "",
-        *numbers, "", "enum {", *counts, f"    LOG_KINDS = {len(LOG_CATEGORIES)}, /* of messages */", "};", "",
+        *definitions(*NUMBERS), "", "enum {", *counts, f"    LOG_KINDS = {len(LOG_CATEGORIES)}, /* of messages */", "};", "",
         *enums, "", *lists, "",
         "/* Coefficients of the approximant of exp of order 13: Higham, Functions of Matrices, table 10.4. */",
         f"#define PADE {_initializer(map(repr, damping.PADE))}", "", "#endif", "",

@@ -34,8 +34,8 @@ from .linear import BODY_VELOCITY, FORCE, LinearModel
 
 FREQUENCIES = 40
 """Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
-BAND_START = 0.02
-"""rad/s; low end of the band, a period of five minutes."""
+BAND_START, BAND_SHARE = 0.02, 0.1
+"""Low end of the band, rad/s, a period of five minutes; of a narrow band, its share of the high end."""
 NEGLIGIBLE = 1e-12
 """Hankel singular values below this share of the largest are rounding."""
 
@@ -51,7 +51,7 @@ class Reduced:
 
 def band_frequencies(band: float, count: int = FREQUENCIES) -> Array:
     """Angular frequencies, rad/s, up to ``band``."""
-    return np.geomspace(min(BAND_START, 0.1 * band), band, count)
+    return np.geomspace(min(BAND_START, BAND_SHARE * band), band, count)
 
 
 def transfer(model: LinearModel, frequencies: Array) -> ComplexArray:

@@ -113,7 +113,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
                                                fmi3UnlockPreemptionCallback unlock)
 {
     (void)name, (void)token, (void)resources, (void)visible, (void)update, (void)lock, (void)unlock;
-    if (logging && log) log(environment, fmi3Error, "logStatusError", "this unit has no scheduled execution");
+    static const char *const categories[] = LOG_CATEGORIES;
+    if (logging && log)
+        log(environment, fmi3Error, categories[fmi3Error - fmi3Discard], "this unit has no scheduled execution");
     return NULL;
 }
 

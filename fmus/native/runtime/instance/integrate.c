@@ -11,9 +11,6 @@
 
 enum { LAST = STAGES - 1 }; /* stage: the end of the step */
 
-/* Below this ratio of error to tolerance the step grows by MOST_GROWTH whatever the power is, which is not computed. */
-#define EASY 1.8e-4
-
 typedef struct {
     const System *system;
     double *k[STAGES];                /* rates of the stages; k[0] at its begin, the last at its end */

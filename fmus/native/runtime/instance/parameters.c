@@ -37,7 +37,7 @@ static void from_parameters(Instance *it, const Function *function, double *firs
 }
 
 /* Puts the parameters among the values in force. Refused, those in force may be of no use any more. */
-Outcome constants(Instance *it)
+Outcome compute_constants(Instance *it)
 {
     const Unit *unit = it->unit;
     it->stale = true; /* until the end: what comes between may refuse */
@@ -67,10 +67,10 @@ Outcome retune(Instance *it)
                       "this needs reduced = 0");
     }
     memcpy(it->kept_p, it->p, size);
-    outcome = constants(it);
+    outcome = compute_constants(it);
     if (outcome == REFUSED) {
         memcpy(it->values, it->kept_p, size);
-        if (constants(it) == NO_MEMORY) /* they were in force before, nothing else can refuse them */
+        if (compute_constants(it) == NO_MEMORY) /* they were in force before, nothing else can refuse them */
             outcome = NO_MEMORY;
     }
     return outcome;
@@ -80,7 +80,7 @@ Outcome initialize(Instance *it)
 {
     const Unit *unit = it->unit;
     if (it->stale) {
-        const Outcome outcome = constants(it);
+        const Outcome outcome = compute_constants(it);
         if (outcome != DONE) return outcome;
     }
     memset(it->x, 0, (size_t)unit->states * sizeof *it->x);

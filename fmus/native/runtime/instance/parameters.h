@@ -4,8 +4,8 @@
 
 #include "instance.h"
 
-Outcome constants(Instance *);  /* all that follows from the parameters; refuses those that make no sense */
-Outcome retune(Instance *);     /* tuned parameters; refused, the previous ones are in force again */
-Outcome initialize(Instance *); /* constants if they are stale, initial state and modes */
+Outcome compute_constants(Instance *); /* all that follows from the parameters; refuses those that make no sense */
+Outcome retune(Instance *);            /* tuned parameters; refused, the previous ones are in force again */
+Outcome initialize(Instance *);        /* constants if they are stale, initial state and modes */
 
 #endif

@@ -93,7 +93,7 @@ Outcome instance_restore(Instance *it, const void *block, size_t size)
     const bool other = it->stale || memcmp(it->values, values, parameters) != 0;
     memcpy(it->values, values, s.values);
     if (other && !head.stale) {
-        const Outcome outcome = constants(it);
+        const Outcome outcome = compute_constants(it);
         if (outcome != DONE) return outcome;
     }
     it->stale = head.stale;

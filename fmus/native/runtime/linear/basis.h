@@ -8,7 +8,7 @@ typedef struct {
     const StateSpace *full;
     int inputs; /* the first of v that count */
     double omega[FREQUENCIES];
-    Complex *exact, *found; /* gains, of the full and of a reduced model */
+    Complex *exact, *reduced; /* gains, of the full and of a reduced model */
 } Measure;
 
 /* A model in other coordinates, of which a reduced one is cut. Balanced: a, b, c. Modal: values, left, right, in the

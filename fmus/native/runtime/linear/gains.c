@@ -7,7 +7,7 @@
 
 void band_frequencies(double band, double *omega)
 {
-    const double start = fmin(BAND_START, 0.1 * band), ratio = band / start;
+    const double start = fmin(BAND_START, BAND_SHARE * band), ratio = band / start;
     for (int i = 0; i < FREQUENCIES; i++) omega[i] = start * pow(ratio, (double)i / (FREQUENCIES - 1));
 }
 
@@ -18,7 +18,7 @@ int counted_inputs(const Instance *it)
     return l->measured < 0 || it->c[l->measured] > all ? all : (int)it->c[l->measured];
 }
 
-bool gains(const StateSpace *s, const double *omega, int inputs, Complex *found)
+bool gains(const StateSpace *s, const double *omega, int inputs, Complex *values)
 {
     const size_t n = s->n, m = inputs;
     double *room = malloc(sizeof(double) * (4 * n * n + 3 * n * m + 2 * COMPARED * n + 2 * n + n * m));
@@ -37,20 +37,20 @@ bool gains(const StateSpace *s, const double *omega, int inputs, Complex *found)
             for (int i = 0; i < COMPARED; i++) {
                 Complex sum = s->d[i + j * s->r] + s_ * s->e[i + j * s->r];
                 for (size_t k = 0; k < n; k++) sum += turned_c[i + k * COMPARED] * x[k + j * n];
-                found[(f * inputs + j) * COMPARED + i] = sum;
+                values[(f * inputs + j) * COMPARED + i] = sum;
             }
     }
     free(room);
     return true;
 }
 
-double relative_error(const Complex *found, const Complex *reference, int inputs)
+double relative_error(const Complex *values, const Complex *reference, int inputs)
 {
     double worst = 0.0;
     /* input by input, the two rows of a pair are next to each other */
     for (int at = 0; at < FREQUENCIES * inputs * COMPARED; at += 2) {
         const double size = fmax(cabs(reference[at]), cabs(reference[at + 1]));
-        const double first = cabs(found[at] - reference[at]), second = cabs(found[at + 1] - reference[at + 1]);
+        const double first = cabs(values[at] - reference[at]), second = cabs(values[at + 1] - reference[at + 1]);
         if (!is_finite(first + second)) return INFINITY;
         if (size > 0.0) worst = fmax(worst, fmax(first, second) / size);
     }

@@ -60,10 +60,10 @@ static void slope_of(int size, int powers, const double *m, double s, double *su
 /* Place of the eigenvalue with the largest real part among those below the limit in magnitude, -1: none. */
 static int leading(int n, const Complex *values, double limit)
 {
-    int found = -1;
+    int place = -1;
     for (int i = 0; i < n; i++)
-        if (cabs(values[i]) < limit && (found < 0 || creal(values[i]) > creal(values[found]))) found = i;
-    return found;
+        if (cabs(values[i]) < limit && (place < 0 || creal(values[i]) > creal(values[place]))) place = i;
+    return place;
 }
 
 /* The growth at the schedule that was brought in, once for each. */

@@ -17,19 +17,11 @@ static void sort_modes(const double *importance, int count, int *order)
     }
 }
 
-/* Modes by importance: what a mode leaves behind in the band when static and acceleration correction stand for it. */
-bool modal_basis(const Measure *m, Basis *basis, double *room)
+/* Eigenvalues, eigenvectors V and B in their coordinates, from T = U^H A U; x: work space, n^2. All zero at the start.
+ */
+static void eigenvectors(int n, int k, const Complex *t, const Complex *u, const double *b, Complex *x, Complex *values,
+                         Complex *v, Complex *turned)
 {
-    const StateSpace *s = m->full;
-    const int n = s->n, size = n * n, k = s->k, r = s->r;
-    Complex *t = (Complex *)room, *u = t + size, *x = u + size, *v = x + size, *turned = v + size;
-    double *a = (double *)(turned + n * k), *b = a + size, *c = b + n * k, *scale = c + r * n, *more = scale + n;
-    balanced_copy(s, k, r, a, b, c, scale);
-    if (!schur_form(n, a, t, u, more)) return false;
-    memset(x, 0, sizeof(Complex) * size);
-    memset(v, 0, sizeof(Complex) * size);
-    memset(turned, 0, sizeof(Complex) * n * k);
-    Complex *values = basis->values;
     for (int j = 0; j < n; j++) {
         values[j] = t[j * (n + 1)];
         right_vector(n, t, j, x + j * n);
@@ -44,8 +36,43 @@ bool modal_basis(const Measure *m, Basis *basis, double *room)
         for (int i = n - 1; i >= 0; i--)
             for (int l = 0; l < i; l++) y[l] -= times(x[l + i * n], y[i]);
     }
-    double *importance = more, width_sum = 0.0;
-    int count = 0;
+}
+
+/* What a mode leaves behind in the band when static and acceleration correction stand for it. */
+static double importance_of(const Measure *m, Complex value, const Complex *left, const Complex *right, int width)
+{
+    double importance = 0.0;
+    for (int f = 0; f < FREQUENCIES; f++) {
+        const Complex at = -m->omega[f] * _Complex_I, ratio = at / value;
+        const double rest = cabs(times(ratio, ratio) / (at - value));
+        for (int i = 0; i < m->inputs; i++) {
+            double strength = 0.0, whole = DBL_MIN;
+            for (int row = 0; row < COMPARED; row++) {
+                /* |left| |right| over the gain, input by input; the largest of each */
+                whole = fmax(whole, cabs(m->exact[(f * m->inputs + i) * COMPARED + row]));
+                strength = fmax(strength, cabs(right[row]));
+            }
+            importance = fmax(importance, rest * strength * cabs(left[i]) / whole * width);
+        }
+    }
+    return importance;
+}
+
+bool modal_basis(const Measure *m, Basis *basis, double *room)
+{
+    const StateSpace *s = m->full;
+    const int n = s->n, size = n * n, k = s->k, r = s->r;
+    Complex *t = (Complex *)room, *u = t + size, *x = u + size, *v = x + size, *turned = v + size;
+    double *a = (double *)(turned + n * k), *b = a + size, *c = b + n * k, *scale = c + r * n, *more = scale + n;
+    balanced_copy(s, k, r, a, b, c, scale);
+    if (!schur_form(n, a, t, u, more)) return false;
+    memset(x, 0, sizeof(Complex) * size);
+    memset(v, 0, sizeof(Complex) * size);
+    memset(turned, 0, sizeof(Complex) * n * k);
+    Complex *values = basis->values;
+    eigenvectors(n, k, t, u, b, x, values, v, turned);
+    double *importance = more;
+    int count = 0, states = 0;
     for (int j = 0; j < n; j++) {
         if (cimag(values[j]) < 0.0) continue;
         Complex *left = basis->left + count * k, *right = basis->right + count * r;
@@ -62,26 +89,13 @@ bool modal_basis(const Measure *m, Basis *basis, double *room)
         }
         values[count] = values[j];
         basis->width[count] = width;
-        width_sum += width;
-        importance[count] = 0.0;
-        for (int f = 0; f < FREQUENCIES; f++) {
-            const Complex at = -m->omega[f] * _Complex_I, ratio = at / values[count];
-            const double rest = cabs(times(ratio, ratio) / (at - values[count]));
-            for (int i = 0; i < m->inputs; i++) {
-                double strength = 0.0, whole = DBL_MIN;
-                for (int row = 0; row < COMPARED; row++) {
-                    /* |left| |right| over the gain, input by input; the largest of each */
-                    whole = fmax(whole, cabs(m->exact[(f * m->inputs + i) * COMPARED + row]));
-                    strength = fmax(strength, cabs(right[row]));
-                }
-                importance[count] = fmax(importance[count], rest * strength * cabs(left[i]) / whole * width);
-            }
-        }
+        states += width;
+        importance[count] = importance_of(m, values[count], left, right, width);
         count++;
     }
     basis->count = count;
     sort_modes(importance, count, basis->order);
-    return width_sum == n;
+    return states == n;
 }
 
 bool modal_model(const Measure *m, const Basis *basis, int states, double *room, StateSpace *model)

@@ -19,12 +19,12 @@ static Outcome search(Instance *it, Measure *m, StateSpace *model, double *room)
     const double allowed = fmax(LEAST_SHARE * tolerance, tolerance - spent);
     double *block = malloc(sizeof(double) * (4 * gain + basis_size(n, k, r) + making_size(n, k, r)));
     int *places = malloc(sizeof(int) * 3 * n);
-    bool found = false;
+    bool done = false;
     Outcome outcome = NO_MEMORY;
     if (block && places) {
         m->exact = (Complex *)block;
-        m->found = m->exact + gain;
-        Basis basis = {.values = m->found + gain, .width = places, .order = places + n, .pivot = places + 2 * n};
+        m->reduced = m->exact + gain;
+        Basis basis = {.values = m->reduced + gain, .width = places, .order = places + n, .pivot = places + 2 * n};
         basis.left = basis.values + n;
         basis.right = basis.left + n * k;
         basis.a = (double *)(basis.right + n * r);
@@ -34,14 +34,14 @@ static Outcome search(Instance *it, Measure *m, StateSpace *model, double *room)
         outcome = DONE;
         if (gains(&full, m->omega, m->inputs, m->exact)
             && (l->modal ? modal_basis : balanced_basis)(m, &basis, basis.work)) {
-            for (int states = 1; !found && states < (int)n; states++) {
+            for (int states = 1; !done && states < (int)n; states++) {
                 StateSpace candidate;
                 if (!l->modal && states >= basis.count) break;
                 if (!(l->modal ? modal_model : balanced_model)(m, &basis, states, room, &candidate)) continue;
-                if (!gains(&candidate, m->omega, m->inputs, m->found)) continue;
-                const double error = relative_error(m->found, m->exact, m->inputs);
+                if (!gains(&candidate, m->omega, m->inputs, m->reduced)) continue;
+                const double error = relative_error(m->reduced, m->exact, m->inputs);
                 if (!(error <= allowed)) continue;
-                found = true;
+                done = true;
                 *model = candidate;
                 if (l->error >= 0) it->c[l->error] += error;
             }

@@ -6,8 +6,7 @@
 
 StateSpace state_space(const Layout *l, const double *c)
 {
-    const StateSpace found = {l->states, l->inputs, l->rows, c + l->a, c + l->b, c + l->c, c + l->d, c + l->e};
-    return found;
+    return (StateSpace){l->states, l->inputs, l->rows, c + l->a, c + l->b, c + l->c, c + l->d, c + l->e};
 }
 
 void combine(int size, int powers, const double *a, double s, double *sum)

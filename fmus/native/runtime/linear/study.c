@@ -9,13 +9,13 @@
 
 /* Gains of a set-up over the band. */
 static Outcome gains_of(Instance *it, const Function *setup, const Layout *layout, const double *omega, int inputs,
-                        Complex *found)
+                        Complex *values)
 {
     double *constants = malloc(sizeof(double) * layout->constants);
     if (!constants) return NO_MEMORY;
     evaluate(it, setup, (Arguments){{it->p}}, (Results){{constants}});
     const StateSpace model = state_space(layout, constants);
-    const bool done = gains(&model, omega, inputs, found);
+    const bool done = gains(&model, omega, inputs, values);
     free(constants);
     return done ? DONE : NO_MEMORY;
 }
@@ -63,17 +63,17 @@ static bool modes_at(const Layout *l, const double *c, double s, Complex *values
 }
 
 /* Whether the first modes of the finer set-up are met at schedule s. */
-static bool resolved(const Instance *it, const double *finer, double s, Complex *wanted, Complex *found, Complex *room)
+static bool resolved(const Instance *it, const double *finer, double s, Complex *wanted, Complex *own, Complex *room)
 {
     const Linear *l = it->unit->linear;
     const Resolution *r = l->resolution;
     const double below = r->below < 0 ? INFINITY : it->c[r->below];
-    if (!modes_at(&r->layout, finer, s, wanted, room) || !modes_at(&l->layout, it->c, s, found, room)) return false;
+    if (!modes_at(&r->layout, finer, s, wanted, room) || !modes_at(&l->layout, it->c, s, own, room)) return false;
     for (int i = 0, seen = 0; i < r->layout.states && seen < r->modes; i++) {
         if (cimag(wanted[i]) < 0.0) continue;
         seen++;
         double nearest = INFINITY;
-        for (int j = 0; j < l->layout.states; j++) nearest = fmin(nearest, cabs(found[j] - wanted[i]));
+        for (int j = 0; j < l->layout.states; j++) nearest = fmin(nearest, cabs(own[j] - wanted[i]));
         if (cabs(wanted[i]) < below && !(nearest <= r->error * cabs(wanted[i]))) return false;
     }
     return true;
@@ -85,13 +85,13 @@ Outcome resolve(Instance *it)
     const Resolution *r = l->resolution;
     if (!r) return DONE;
     const size_t n = l->layout.states > r->layout.states ? l->layout.states : r->layout.states;
-    Complex *wanted = malloc(sizeof(Complex) * (2 * n * n + 3 * n)), *found = wanted + n, *room = found + n;
+    Complex *wanted = malloc(sizeof(Complex) * (2 * n * n + 3 * n)), *own = wanted + n, *room = own + n;
     double *finer = malloc(sizeof(double) * r->layout.constants);
     Outcome outcome = NO_MEMORY;
     if (wanted && finer) {
         evaluate(it, &r->setup, (Arguments){{it->p}}, (Results){{finer}});
         int steps = 0;
-        while ((steps + 1) * r->grid <= r->end && resolved(it, finer, (steps + 1) * r->grid, wanted, found, room))
+        while ((steps + 1) * r->grid <= r->end && resolved(it, finer, (steps + 1) * r->grid, wanted, own, room))
             steps++;
         it->c[r->target] = fmax(steps, 0.5) * r->grid;
         outcome = DONE;
