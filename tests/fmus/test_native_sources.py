@@ -21,7 +21,9 @@ FOLDERS = ("core", "linear", "instance", "fmi2", "fmi3")
 OWN = [file for file in sorted(RUNTIME.rglob("*.[ch]")) if not STANDARD.fullmatch(file.name)]
 ENSEMBLE = sorted((RUNTIME.parent / "ensemble").glob("*.[ch]"))
 OTHERS = sorted((Path(__file__).parent / "host").glob("*.[ch]")) + sorted((ROOT / "benchmarks").glob("*.c"))
-FUNCTION = re.compile(r"^(?=\w)(?!typedef|struct|enum|static const)(static )?[\w *]*?\b(\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
+FUNCTION = re.compile(
+    r"^(?=\w)(?!typedef|struct|enum|static const)(static )?[\w *]*?\b(\w+)\([^;{}]*\)\s*\{", re.MULTILINE
+)
 
 Graph = dict[str, set[str]]
 
