@@ -150,7 +150,7 @@ class Writer:
         self.lines[MOVING].clear()
         self.known = {key: name for key, name in self.known.items() if name.level < MOVING}
         work: dict[int, Name] = {}
-        found = []
+        stores = []
         for k in range(f.n_instructions()):
             op, of, to = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
             if op == ca.OP_INPUT:
@@ -163,10 +163,10 @@ class Writer:
             elif op == ca.OP_OUTPUT:
                 value = self.used(self.number(work[of[0]]))
                 target = results[to[0]]
-                found.append(f"    return {value};" if target == "return" else f"    {target}[{to[1]}] = {value};")
+                stores.append(f"    return {value};" if target == "return" else f"    {target}[{to[1]}] = {value};")
             else:
                 work[to[0]] = self.operation(op, [work[i] for i in of])
-        return "\n".join([f"static {signature}", "{", *self.lines[MOVING], *found, "}", ""])
+        return "\n".join([f"static {signature}", "{", *self.lines[MOVING], *stores, "}", ""])
 
 
 def text(unit: Unit, observed: Sequence[str], method: Tableau = METHOD) -> Text:
