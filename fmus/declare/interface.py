@@ -1,5 +1,5 @@
 """What an FMU shows: the variables that both flavours share and, for the native one, its continuous states, their
-derivatives and the extras of a linear unit, in the order of ``native/runtime/core/unit.h``.
+derivatives and the extras of a linear unit, in the order of ``native/runtime/unit.h``.
 """
 
 from __future__ import annotations
@@ -7,25 +7,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
-from .unit import Unit, Variable, local, per_second
+from ...models.protocol.variables import local, per_second
+from .dependencies import dependencies
+from .unit import Layout, Unit, Variable, layout_of, named
 
 Positions = tuple[tuple[int, ...], ...]
 """For each of several things, the positions of others on which it depends."""
-
-
-class References(NamedTuple):
-    """The first value reference of each kind of variable; parameters begin at 0. Each input has three derivatives; `state`
-    and what follows are native only."""
-
-    calculated: int
-    input: int
-    derivative: int
-    observed: int
-    state: int
-    rate: int
-    extra: int
 
 
 @dataclass(frozen=True)
@@ -62,37 +50,33 @@ class Interface:
     def variables(self) -> tuple[Variable, ...]:
         """All of them: shared, states, derivatives of the states, extras."""
         states = tuple(
-            local(f"state.{v.name}", v.unit, v.description, display=v.display, nominal=v.nominal) for v in self.states
+            replace(named(f"state.{v.name}", local(v.unit, v.description, display=v.display)), nominal=v.nominal)
+            for v in self.states
         )
-        rates = tuple(local(f"der({v.name})", per_second(v.unit), f"Time derivative of {v.name}") for v in states)
+        rates = tuple(
+            named(f"der({v.name})", local(per_second(v.unit), f"Time derivative of {v.name}")) for v in states
+        )
         return self.shared + states + rates + self.extras
 
     @cached_property
-    def first(self) -> References:
-        """The first value reference of each kind."""
-        unit = self.unit
-        observed = len(unit.variables) - len(unit.observed)
-        derivative = observed - len(unit.input_derivatives)
-        before = derivative - len(unit.inputs)
-        state = len(unit.variables)
-        rate = state + len(self.states)
-        return References(
-            before - len(unit.calculated), before, derivative, observed, state, rate, rate + len(self.states)
-        )
+    def layout(self) -> Layout:
+        """Value references by kind."""
+        own = self.unit.layout[:5]
+        return layout_of(*map(len, own), len(self.states), len(self.states), len(self.extras))
 
     def depends(self, reference: int) -> list[int]:
         """Value references of the inputs and states that act without delay on an observed variable or a derivative.
-        Those of observed variables are declared, as an event may act through a mode."""
-        unit = self.unit
-        if reference < self.first.state:
-            inputs = [unit.index[name] for name in unit.variables[reference].depends]
-            position = reference - self.first.observed
+        Those of observed variables are the unit's, as an event may act through a mode."""
+        unit, layout = self.unit, self.layout
+        if reference in layout.observed:
+            inputs = [unit.index[name] for name in dependencies(unit)[unit.variables[reference].name]]
+            position = layout.observed.index(reference)
             states = self.observed_states[position] if self.observed_states else ()
         else:
-            position = reference - self.first.rate
-            inputs = [self.first.input + k for k in self.derivative_inputs[position]]
+            position = layout.state_derivatives.index(reference)
+            inputs = [layout.inputs[k] for k in self.derivative_inputs[position]]
             states = self.derivative_states[position]
-        return inputs + [self.first.state + k for k in states]
+        return inputs + [layout.states[k] for k in states]
 
 
 def declared_states(unit: Unit) -> tuple[Variable, ...]:

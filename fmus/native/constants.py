@@ -9,7 +9,7 @@ from ...models.numeric import integrate, ops
 from ...models.slender import damping
 from ..declare.unit import INPUT_ORDERS
 from ..describe.fmi2 import LOG_CATEGORIES
-from ..python import instance
+from ..python import stepping, values
 from .c_text import text
 
 CAUSALITIES = {"PARAMETER": "parameter", "CALCULATED": "calculatedParameter", "INPUT": "input", "OUTPUT": "output",
@@ -20,8 +20,8 @@ VARIABILITIES = {"FIXED": "fixed", "TUNABLE": "tunable", "DISCRETE": "discrete",
 
 NUMBERS = {
     "NEVER": (ops.NEVER, "s: no time of a run is as late"),
-    "TIME_TOLERANCE": (instance.TIME_TOLERANCE, "of a step's time, relative to 1 s + |t|"),
-    "EVENT_TOLERANCE": (instance.EVENT_TOLERANCE, "of an event's time, likewise"),
+    "TIME_TOLERANCE": (stepping.TIME_TOLERANCE, "of a step's time, relative to 1 s + |t|"),
+    "EVENT_TOLERANCE": (values.EVENT_TOLERANCE, "of an event's time, likewise"),
     "SAFETY": (integrate.SAFETY, "factor on the step that the error asks for"),
     "MOST_GROWTH": (integrate.MOST_GROWTH, "of a step from one to the next"),
     "LEAST_GROWTH": (integrate.LEAST_GROWTH, "likewise, after a step that was refused"),
@@ -36,6 +36,12 @@ NUMBERS = {
     "TIME_WIDTH": (integrate.TIME_WIDTH, "likewise, relative to the time"),
     "BEYOND": (integrate.BEYOND, "how far beyond the zero it is sought, in widths"),
     "TINY": (integrate.TINY, "keeps a share of zero by zero a number"),
+    "SMALLEST": (integrate.SMALLEST, "added to a tolerance, which may have underflowed"),
+    "NEAR": (integrate.NEAR, "share of its values at the ends below which an indicator's vertex is looked at"),
+    "ROUNDING": (integrate.ROUNDING, "share of its value beyond the next zero below which an indicator is rounding"),
+    "BLIND": (integrate.BLIND, "share of a step, begun on a zero, in which the sign is not trusted"),
+    "MOST_BLIND": (integrate.MOST_BLIND, "to which that grows where events follow each other in steps cut to SHORT"),
+    "SHORT": (integrate.SHORT, "share of a step"),
     "BAND_START": (reduction.BAND_START, "rad/s, low end of the band"),
     "BAND_SHARE": (reduction.BAND_SHARE, "of the high end, at most"),
     "NEGLIGIBLE": (reduction.NEGLIGIBLE, "Hankel singular values below this share of the largest are rounding"),
@@ -50,7 +56,7 @@ COUNTS = {
     "FREQUENCIES": (reduction.FREQUENCIES, "of the band at which errors are measured"),
 }
 LISTS = {
-    "PHASE_NAMES": instance.PHASES,
+    "PHASE_NAMES": values.PHASES,
     "CAUSALITY_NAMES": tuple(CAUSALITIES.values()),
     "VARIABILITY_NAMES": tuple(VARIABILITIES.values()),
     "LOG_CATEGORIES": tuple(LOG_CATEGORIES),
@@ -68,7 +74,7 @@ def constants_header() -> str:
     counts = [f"    {name} = {value}, /* {meaning} */" for name, (value, meaning) in COUNTS.items()]
     lists = [f"#define {name} {_initializer(map(text, words))}" for name, words in LISTS.items()]
     enums = (
-        _enum("Phase", [name.upper() for name in instance.PHASES]),
+        _enum("Phase", [name.upper() for name in values.PHASES]),
         _enum("Causality", CAUSALITIES),
         _enum("Variability", VARIABILITIES),
     )

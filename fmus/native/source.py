@@ -27,27 +27,27 @@ UNIT_FUNCTIONS = (
 def unit_source(traced: Traced, token: str) -> str:
     """The C text. ``token`` is the guid of FMI 2 and the instantiation token of FMI 3."""
     interface, functions = traced.interface, traced.functions
-    unit = interface.unit
+    unit, layout = interface.unit, interface.layout
     names, counts = [v.name for v in unit.parameters], lengths(interface.variables)
     sizes = {
         "variables": len(interface.variables),
         "parameters": len(names),
-        "calculated": len(unit.calculated),
-        "inputs": len(unit.inputs),
-        "observed": len(unit.observed),
-        "states": len(interface.states),
+        "calculated": len(layout.calculated),
+        "inputs": len(layout.inputs),
+        "observed": len(layout.observed),
+        "states": len(layout.states),
         "modes": traced.modes,
         "indicators": interface.indicators,
         "requirements": len(traced.requirements),
         "constants": traced.constants,
-        "extras": len(interface.extras),
+        "extras": len(layout.extras),
         "tolerance": unit.index.get("integration_tolerance", -1),
         "frozen": names.index("freeze_branches") if "freeze_branches" in names else -1,
     }
     fields = {
         "name": text(unit.name),
         "token": text(token),
-        "first": "{" + ", ".join(f".{kind} = {place}" for kind, place in interface.first._asdict().items()) + "}",
+        "first": "{" + ", ".join(f".{kind} = {place.start}" for kind, place in interface.layout._asdict().items()) + "}",
         **{name: str(size) for name, size in sizes.items()},
         "variable": "variable",
         "rate": "rate",

@@ -7,7 +7,7 @@ the C text follows from the model alone: the same model gives the same text, byt
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import casadi as ca
@@ -25,7 +25,7 @@ def trace(unit: Unit, structure: Mapping[str, float] | None = None) -> Traced:
     """The unit's functions. ``structure`` overrides the start values of structural parameters. Raises `NotNative`."""
     if unit.not_native:
         raise NotNative(f"{unit.name} has no native flavour: {unit.not_native}")
-    if hasattr(unit.model, "setup"):
+    if unit.model.linear:
         return trace_linear(unit, structure or {})
     for name in structure or {}:
         raise NotNative(f"{unit.name}.{name} is no structural parameter: {unit.name} has none")
@@ -45,26 +45,31 @@ def _trace(unit: Unit) -> Traced:
     x, m = column("x", len(x0)), column("m", len(m0))
     n = len(unit.inputs)
     u, du, k = column("u", n), column("du", n), column("k", 4 * n)
-    cubics = [parts(k)[4 * i : 4 * i + 4] for i in range(n)]
-    at = (t, parts(x), parts(m), parts(u))
+    cubics = model.Inputs._make(parts(k)[4 * i : 4 * i + 4] for i in range(n))
+    modes = model.Modes._make(parts(m))
+    at = (t, model.State._make(parts(x)), modes, model.Inputs._make(parts(u)))
     functions: dict[str, ca.Function] = {}
 
-    def add(field: str, name: str, arguments: list[Any], call: Callable[[Any], Iterable[Iterable[Any]]]) -> None:
-        if hasattr(model, name):
-            results = [dense(each) for each in call(getattr(model, name))]
-            functions[field] = ca.Function(f"model_{field}", arguments, results)
+    def add(name: str, arguments: list[Any], *results: Iterable[Any]) -> None:
+        functions[name] = ca.Function(f"model_{name}", arguments, [dense(each) for each in results])
 
-    requirements = model.requirements(parameters, OPS) if hasattr(model, "requirements") else ()
-    add("required", "requirements", [p, c], lambda f: [[value for value, _ in requirements]])
-    add("calculate", "calculated", [p, c], lambda f: [f(parameters, OPS)])
-    add("initial", "initial", [p, c], lambda f: f(parameters, OPS))
-    if len(x0):
-        add("derivatives", "derivatives", [t, x, m, u, p, c], lambda f: [f(*at, parameters, OPS)])
-        add("indicate", "indicators", [t, x, m, u, p, c], lambda f: [f(*at, parameters, OPS)])
-        add("advance", "advance", [t, h, x, m, k, p, c], lambda f: [f(t, h, *at[1:3], cubics, parameters, OPS)])
-    add("change", "transition", [t, x, m, u, p, c], lambda f: f(*at, parameters, OPS))
-    add("next_event", "next_event_time", [t, m, p, c], lambda f: [[f(t, parts(m), parameters, OPS)]])
-    add("outputs", "outputs", [t, x, m, u, du, p, c], lambda f: [f(*at, parts(du), parameters, OPS)])
+    requirements = model.requirements(parameters, OPS) if model.requirements else ()
+    if model.requirements:
+        add("required", [p, c], [value for value, _ in requirements])
+    if model.calculated:
+        add("calculate", [p, c], model.calculated(parameters, OPS))
+    add("initial", [p, c], x0, m0)
+    if model.derivatives and len(x0):
+        add("derivatives", [t, x, m, u, p, c], model.derivatives(*at, parameters, OPS))
+    if model.indicators and len(x0):
+        add("indicate", [t, x, m, u, p, c], model.indicators(*at, parameters, OPS))
+    if model.advance and len(x0):
+        add("advance", [t, h, x, m, k, p, c], model.advance(t, h, *at[1:3], cubics, parameters, OPS))
+    if model.transition:
+        add("change", [t, x, m, u, p, c], *model.transition(*at, parameters, OPS))
+    if model.next_event_time:
+        add("next_event", [t, m, p, c], [model.next_event_time(t, modes, parameters, OPS)])
+    add("outputs", [t, x, m, u, du, p, c], model.outputs(*at, model.Inputs._make(parts(du)), parameters, OPS))
     functions |= {f"{name}_forward": forward(functions[name]) for name in FORWARD if name in functions}
     interface = Interface(
         unit,

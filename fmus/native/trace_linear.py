@@ -14,9 +14,11 @@ from typing import Any
 import casadi as ca
 
 from ...models.numeric.matrix_ops import traces
+from ...models.protocol.linear_model import LinearModel
 from ...models.protocol.state_space import Comparison, Setup, Study
+from ...models.protocol.variables import local
 from ..declare.interface import Interface
-from ..declare.unit import Unit, Variable, local
+from ..declare.unit import Unit, Variable, named
 from .traced import OPS, NotNative, Traced, TracedLinear, column, dense, forward, parts
 
 MATRICES = ("a", "b", "c", "d", "e")
@@ -31,7 +33,7 @@ def trace_linear(unit: Unit, structure: Mapping[str, float]) -> Traced:
 
 def structure_of(unit: Unit, given: Mapping[str, float]) -> dict[str, float]:
     """Values of all structural parameters: as given, else the default of the model's ``Size``, else the declared start."""
-    size = unit.model.Size
+    size = linear_of(unit).Size
     for name in given:
         if name not in size._fields:
             raise NotNative(f"{unit.name}.{name} is no structural parameter: expected one of {', '.join(size._fields)}")
@@ -39,14 +41,20 @@ def structure_of(unit: Unit, given: Mapping[str, float]) -> dict[str, float]:
     return {name: float(given.get(name, size._field_defaults.get(name, declared[name]))) for name in size._fields}
 
 
+def linear_of(unit: Unit) -> LinearModel:
+    """The linear model of a unit that has one."""
+    assert unit.model.linear is not None
+    return unit.model.linear
+
+
 class _LinearTrace:
     def __init__(self, unit: Unit, structure: dict[str, float]) -> None:
-        self.unit, self.model, self.structure = unit, unit.model, structure
+        self.unit, self.model, self.structure = unit, linear_of(unit), structure
         self.size = self.model.Size(**structure)
-        self.study: Study = self.model.study(self.size) if hasattr(self.model, "study") else Study()
+        self.study: Study = self.model.studied(self.size)
         self.functions: dict[str, ca.Function] = {}
         self.layouts: dict[str, Sizes] = {}
-        self.own = len(self.model.Own._fields) if hasattr(self.model, "Own") else 0
+        self.own = len(self.model.Own._fields)
         self.p = column("p", len(unit.parameters))
         setup = self._setup("setup", self.size)
         self.layout = self.layouts["setup"]
@@ -85,26 +93,26 @@ class _LinearTrace:
         p, c, k, h, t = self.p, self.c, column("k", 4 * len(self.unit.inputs)), column("h", 1), column("t", 1)
         own, u, du = column("own", self.own), column("u", len(self.unit.inputs)), column("du", len(self.unit.inputs))
         y, y_rate, growth = column("y", self.layout["rows"]), column("y_rate", self.layout["rows"]), column("growth", 1)
-        cubics = [parts(k)[i : i + 4] for i in range(0, k.numel(), 4)]
-        at = (parts(own), parts(u), parts(du))
         model, last = self.model, (self.parameters, self.constants, OPS)
-        conditions = self._requirements()
-        self._add("required", [p, c], [value for value, _ in conditions])
-        if hasattr(model, "describe"):
-            self._add("calculate", [p, c], model.describe(*last))
-        self._add("initial", [p, c], chain(*model.start(*last)) if hasattr(model, "start") else [0.0] * self.states)
-        if hasattr(model, "schedule"):
-            self._add("linear_schedule", [u, p, c], [model.schedule(parts(u), *last)])
-        driven = [list(each) for each in model.drive(parts(own), cubics, *last)]
+        inputs = model.Inputs._make
+        cubics = inputs(parts(k)[i : i + 4] for i in range(0, k.numel(), 4))
+        at = (model.Own._make(parts(own)), inputs(parts(u)), inputs(parts(du)))
+        requirements = self._requirements()
+        self._add("required", [p, c], [value for value, _ in requirements])
+        self._add("calculate", [p, c], model.describe(*last))
+        self._add("initial", [p, c], chain(*model.start(*last)) if model.start else [0.0] * self.states)
+        if model.schedule:
+            self._add("linear_schedule", [u, p, c], [model.schedule(at[1], *last)])
+        driven = [list(each) for each in model.drive(at[0], cubics, *last)]
         orders = max(map(len, driven))
         filled = chain(*(each + [0.0] * (orders - len(each)) for each in driven))
         self._add("linear_drive", [own, k, p, c], filled)
-        if self.own:
-            self._add("linear_own_after", [h, own, k, p, c], model.own_after(h, parts(own), cubics, *last))
+        if model.own_after and model.own_rates:
+            self._add("linear_own_after", [h, own, k, p, c], model.own_after(h, at[0], cubics, *last))
             self._add("linear_own_rates", [own, u, du, p, c], model.own_rates(*at, *last))
         self._add("linear_core", [own, u, du, p, c], *model.core(*at, *last))
         seen, extras = model.observe(t, at[0], parts(y), parts(y_rate), *at[1:], growth, *last)
-        shown = extras if hasattr(model, "EXTRA") else ()
+        shown = extras if model.extra else ()
         self._add("linear_observe", [t, own, y, y_rate, u, du, growth, p, c], seen, shown)
         for name in ("linear_schedule", "linear_own_rates", "linear_core", "linear_observe"):
             if name in self.functions:
@@ -113,7 +121,7 @@ class _LinearTrace:
         rate_rows = 1 + max(_columns(self.functions["linear_observe"], 0, 3), default=-1)
         linear = TracedLinear(self.study, self.layouts, self.own, orders - 1, rate_rows, self.places)
         return Traced(
-            self._interface(len(shown)), self.functions, 0, tuple(text for _, text in conditions),
+            self._interface(len(shown)), self.functions, 0, tuple(text for _, text in requirements),
             self.layout["constants"], linear,
         )  # fmt: skip
 
@@ -144,12 +152,10 @@ class _LinearTrace:
 
     def _requirements(self) -> list[tuple[Any, str]]:
         """What the parameters and what followed from them must fulfil."""
-        conditions: list[tuple[Any, str]] = []
-        if hasattr(self.model, "requirements"):
-            conditions += self.model.requirements(self.parameters, OPS)
-        if hasattr(self.model, "setup_requirements"):
-            conditions += self.model.setup_requirements(self.parameters, self.constants, OPS)
-        return conditions
+        required = [*self.model.requirements(self.parameters, OPS)] if self.model.requirements else []
+        if self.model.setup_requirements:
+            required += self.model.setup_requirements(self.parameters, self.constants, OPS)
+        return required
 
     def _add(self, field: str, arguments: list[Any], *results: Iterable[Any]) -> None:
         self.functions[field] = ca.Function(f"model_{field}", arguments, [_column(each) for each in results])
@@ -158,8 +164,8 @@ class _LinearTrace:
         unit, n = self.unit, self.layout["states"]
         core, observe = self.functions["linear_core"], self.functions["linear_observe"]
         known = {v.name: v for v in unit.observed + unit.states}
-        own = tuple(known.get(name, local(name, "1", "")) for name in self.model.Own._fields) if self.own else ()
-        core_states = tuple(local(f"z[{i + 1}]", "1", f"Core state {i + 1} of {n}") for i in range(n))
+        own = tuple(known.get(name, named(name, local("1", ""))) for name in self.model.Own._fields)
+        core_states = tuple(named(f"z[{i + 1}]", local("1", f"Core state {i + 1} of {n}")) for i in range(n))
         of_core = {n + i for result in range(3) for i in _columns(core, result, 0)}
         of_inputs = {i for result in range(3) for i in _columns(core, result, 1)}
         if "linear_schedule" in self.functions:
@@ -182,10 +188,10 @@ class _LinearTrace:
         )  # fmt: skip
 
     def _extras(self, count: int) -> tuple[Variable, ...]:
-        if not count:
+        if not self.model.extra:
             return ()
-        name, unit, description = self.model.EXTRA
-        return tuple(local(f"{name}[{i + 1}]", unit, description) for i in range(count))
+        name, quantity = self.model.extra
+        return tuple(named(f"{name}[{i + 1}]", quantity) for i in range(count))
 
 def _column(values: Iterable[Any]) -> Any:
     components = list(values)

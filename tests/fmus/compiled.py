@@ -60,11 +60,9 @@ def point(unit: Unit, modes: int, states: int, chance: random.Random) -> SimpleN
     while True:
         start = {v.name: unit.start.get(v.name, v.start or 0.0) for v in unit.parameters}
         values = [parameter(start[v.name], v.min, v.max) for v in unit.parameters]
-        p = unit.model.Parameters(*()) if not values else unit.model.Parameters(
-            **{v.name: value for v, value in zip(unit.parameters, values)}
-        )  # fmt: skip
-        needs = unit.model.requirements(p, FLOATS) if hasattr(unit.model, "requirements") else ()
-        if all(value > 0.0 for value, _ in needs):
+        p = unit.model.Parameters(**{v.name: value for v, value in zip(unit.parameters, values)})
+        required = unit.model.requirements(p, FLOATS) if unit.model.requirements else ()
+        if all(value > 0.0 for value, _ in required):
             break
 
     def column(size: int) -> list[float]:

@@ -19,7 +19,7 @@ from .native_instance import DONE, MODEL_EXCHANGE, NO_STEP, REFUSED, Library, Na
 
 @pytest.fixture(scope="module")
 def masses(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    traced = trace(example.unit(example), {})
+    traced = trace(example.UNIT, {})
     return unit_library(traced, tmp_path_factory.mktemp("masses")), traced
 
 

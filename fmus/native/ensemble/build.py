@@ -172,7 +172,7 @@ class Writer:
 def text(unit: Unit, observed: Sequence[str], method: Tableau = METHOD) -> Text:
     """The unit as C text that computes the outputs ``observed``. Raises `NotNative` for a unit that cannot be traced or
     has no rates."""
-    if hasattr(unit.model, "setup") or not hasattr(unit.model, "derivatives"):
+    if unit.model.linear or not unit.model.derivatives:
         raise NotNative(f"{unit.name} has no rates to integrate; a scene that contains it can be composed")
     traced = trace(unit)
     functions = traced.functions

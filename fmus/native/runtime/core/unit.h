@@ -86,11 +86,11 @@ typedef struct {
     const Resolution *resolution; /* NULL: none */
 } Linear;
 
-/* First value reference of each kind; parameters begin at 0, integration_tolerance is the last of them if the
+/* First value reference of each kind, as `Layout` of fmus/declare/unit.py has them; integration_tolerance is the last parameter if the
  * integrator steps the unit. Each input has INPUT_ORDERS derivatives; states, their derivatives and extras are native
  * only. */
 typedef struct {
-    int calculated, input, derivative, observed, state, rate, extra;
+    int parameters, calculated, inputs, input_derivatives, observed, states, state_derivatives, extras;
 } References;
 
 typedef struct {

@@ -11,7 +11,7 @@
 Outcome instance_set_input_derivatives(Instance *it, const unsigned *references, size_t count, const int *orders,
                                        const double *values)
 {
-    const unsigned first = (unsigned)it->unit->first.input, end = (unsigned)it->unit->first.derivative;
+    const unsigned first = (unsigned)it->unit->first.inputs, end = (unsigned)it->unit->first.input_derivatives;
     Number text;
     if (it->phase > STEPPING)
         return refuse(it, REFUSED, "set input derivatives in phase %s, expected phase stepping or earlier",
@@ -87,15 +87,15 @@ Outcome instance_get_output_derivatives(Instance *it, const unsigned *references
 static Outcome seed_of(Instance *it, unsigned reference, double **seed)
 {
     const Unit *unit = it->unit;
-    const unsigned input = (unsigned)unit->first.input, derivative = (unsigned)unit->first.derivative;
-    const unsigned observed = (unsigned)unit->first.observed, state = (unsigned)unit->first.state;
+    const unsigned input = (unsigned)unit->first.inputs, derivative = (unsigned)unit->first.input_derivatives;
+    const unsigned observed = (unsigned)unit->first.observed, state = (unsigned)unit->first.states;
     *seed = NULL;
     if (reference >= input && reference < derivative)
         *seed = it->seed_u + (reference - input);
     else if (reference >= derivative && reference < observed)
         *seed =
             (reference - derivative) % INPUT_ORDERS == 0 ? it->seed_du + (reference - derivative) / INPUT_ORDERS : NULL;
-    else if (reference >= state && reference < (unsigned)unit->first.rate)
+    else if (reference >= state && reference < (unsigned)unit->first.state_derivatives)
         *seed = it->seed_x + (reference - state);
     else
         return refuse(it, REFUSED, "derivative with respect to %s: expected an input, its derivative or a state",
@@ -138,8 +138,8 @@ Outcome instance_directional_derivative(Instance *it, const unsigned *unknowns, 
                                         double *sensitivity)
 {
     const Unit *unit = it->unit;
-    const unsigned observed = (unsigned)unit->first.observed, state = (unsigned)unit->first.state;
-    const unsigned rate = (unsigned)unit->first.rate, extra = (unsigned)unit->first.extra;
+    const unsigned observed = (unsigned)unit->first.observed, state = (unsigned)unit->first.states;
+    const unsigned rate = (unsigned)unit->first.state_derivatives, extra = (unsigned)unit->first.extras;
     bool outputs = false, rates = false;
     Outcome outcome = linearization_point(it, "directional derivative");
     if (outcome == DONE) outcome = gather_seeds(it, knowns, known_count, seed);

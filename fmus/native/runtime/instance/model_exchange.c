@@ -63,7 +63,7 @@ Outcome instance_set_states(Instance *it, const double *x, size_t count)
     for (size_t i = 0; i < count; i++)
         if (!is_finite(x[i]))
             return refuse(it, REFUSED, "%s = %s: expected a finite number",
-                          it->unit->variable[(size_t)it->unit->first.state + i].name, shortest(x[i], text));
+                          it->unit->variable[(size_t)it->unit->first.states + i].name, shortest(x[i], text));
     memcpy(it->x, x, count * sizeof *x);
     it->fresh = false;
     return DONE;

@@ -47,7 +47,7 @@ Outcome observe(Instance *it)
     Outcome outcome = prepare(it);
     if (outcome != DONE) return outcome;
     if (unit->linear) {
-        outcome = solver_observe(it, it->time, it->u, it->du, observed, it->values + unit->first.extra);
+        outcome = solver_observe(it, it->time, it->u, it->du, observed, it->values + unit->first.extras);
         if (outcome != DONE) return outcome;
     } else {
         const double **a = arguments_at(it, &it->time);
@@ -58,7 +58,7 @@ Outcome observe(Instance *it)
         traced(it, &unit->outputs, a, it->results);
     }
     outcome = check_finite(it, unit->first.observed, unit->observed);
-    if (outcome == DONE) outcome = check_finite(it, unit->first.extra, unit->extras);
+    if (outcome == DONE) outcome = check_finite(it, unit->first.extras, unit->extras);
     it->fresh = outcome == DONE;
     return outcome;
 }
@@ -106,7 +106,7 @@ Outcome state_rates(Instance *it, double *dx)
     if (outcome == DONE) outcome = rates_now(it, dx);
     for (int i = 0; outcome == DONE && i < it->unit->states; i++)
         if (!is_finite(dx[i]))
-            outcome = refuse(it, REFUSED, "%s became %s", it->unit->variable[it->unit->first.rate + i].name,
+            outcome = refuse(it, REFUSED, "%s became %s", it->unit->variable[it->unit->first.state_derivatives + i].name,
                              shortest(dx[i], text));
     return outcome;
 }

@@ -6,7 +6,7 @@
 void cubics(Instance *it)
 {
     const int n = it->unit->inputs;
-    const double *u = it->values + it->unit->first.input, *d = it->values + it->unit->first.derivative;
+    const double *u = it->values + it->unit->first.inputs, *d = it->values + it->unit->first.input_derivatives;
     double *k = it->k;
     for (int i = 0; i < n; i++, d += INPUT_ORDERS, k += CUBIC) {
         k[0] = u[i];

@@ -16,7 +16,7 @@ static bool settable(const Instance *it, const Variable *v)
 /* In continuous-time mode only the inputs and their derivatives, which come after all other parameters. */
 static bool held(const Instance *it, unsigned reference)
 {
-    return it->continuous && reference < (unsigned)it->unit->first.input;
+    return it->continuous && reference < (unsigned)it->unit->first.inputs;
 }
 
 /* The states of a reduced model have no meaning for other parameters. */
@@ -67,7 +67,7 @@ static bool given(const Unit *unit, const unsigned *references, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         if (references[i] >= (unsigned)unit->first.observed
-            || (references[i] >= (unsigned)unit->first.calculated && references[i] < (unsigned)unit->first.input))
+            || (references[i] >= (unsigned)unit->first.calculated && references[i] < (unsigned)unit->first.inputs))
             return false;
     return true;
 }
@@ -87,8 +87,8 @@ static Outcome show_states(Instance *it, bool rates)
 Outcome instance_get(Instance *it, const unsigned *references, size_t count, double *values)
 {
     const Unit *unit = it->unit;
-    const unsigned state = (unsigned)unit->first.state, rate = (unsigned)unit->first.rate,
-                   extra = (unsigned)unit->first.extra;
+    const unsigned state = (unsigned)unit->first.states, rate = (unsigned)unit->first.state_derivatives,
+                   extra = (unsigned)unit->first.extras;
     bool states = false, rates = false;
     Outcome outcome = DONE;
     for (size_t i = 0; i < count; i++) {

@@ -154,7 +154,7 @@ static const double *operator_for(Instance *it, double step, double schedule)
 static Outcome middle(Instance *it, double step)
 {
     for (int i = 0; i < it->unit->inputs; i++) {
-        const Variable *v = &it->unit->variable[it->unit->first.input + i];
+        const Variable *v = &it->unit->variable[it->unit->first.inputs + i];
         const double *k = it->k + CUBIC * i, h = 0.5 * step, u = it->u[i] = k[0] + h * (k[1] + h * (k[2] + h * k[3]));
         const double least = fmin(u, k[0]);
         if (least < v->min)
