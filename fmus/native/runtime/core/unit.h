@@ -86,9 +86,9 @@ typedef struct {
     const Resolution *resolution; /* NULL: none */
 } Linear;
 
-/* First value reference of each kind, as `Layout` of fmus/declare/unit.py has them; integration_tolerance is the last parameter if the
- * integrator steps the unit. Each input has INPUT_ORDERS derivatives; states, their derivatives and extras are native
- * only. */
+/* First value reference of each kind, as `Layout` of fmus/declare/unit.py has them; integration_tolerance is the last
+ * parameter if the integrator steps the unit. Each input has INPUT_ORDERS derivatives; states, their derivatives and
+ * extras are native only. */
 typedef struct {
     int parameters, calculated, inputs, input_derivatives, observed, states, state_derivatives, extras;
 } References;

@@ -1,5 +1,5 @@
-/* An embedded Runge-Kutta method with the error control and event location of models/numeric/integrate.py; what a step decides
- * is explained there. stages.h is written from the tableau. */
+/* An embedded Runge-Kutta method with the error control and event location of models/numeric/integrate.py; what a step
+ * decides is explained there. stages.h is written from the tableau. */
 #include "integrate.h"
 
 #include <math.h>
@@ -13,17 +13,14 @@ enum { LAST = STAGES - 1 }; /* stage: the end of the step */
 
 typedef struct {
     const System *system;
-    double *k[STAGES]; /* rates of the stages; k[0] at its begin, the last at its end */
-    double *y, *point; /* the step's end; a stage */
-    double *g, *g_new; /* indicators at its begin and end */
+    double *k[STAGES];                /* rates of the stages; k[0] at its begin, the last at its end */
+    double *y, *point;                /* the step's end; a stage */
+    double *g, *g_new;                /* indicators at its begin and end */
     double *y_high, *f_high, *g_high; /* event location: the end beyond the event */
-    double *g_inner; /* indicators at another place inside */
+    double *g_inner;                  /* indicators at another place inside */
 } Work;
 
-int integrate_work(int states, int indicators)
-{
-    return (STAGES + 4) * states + 4 * indicators;
-}
+int integrate_work(int states, int indicators) { return (STAGES + 4) * states + 4 * indicators; }
 
 static Work partition(const System *system, double *work)
 {
@@ -31,11 +28,16 @@ static Work partition(const System *system, double *work)
     double *const ends = work + STAGES * n, *const signs = ends + 4 * n;
     Work w = {
         .system = system,
-        .y = ends, .point = ends + n, .y_high = ends + 2 * n, .f_high = ends + 3 * n,
-        .g = signs, .g_new = signs + m, .g_high = signs + 2 * m, .g_inner = signs + 3 * m,
+        .y = ends,
+        .point = ends + n,
+        .y_high = ends + 2 * n,
+        .f_high = ends + 3 * n,
+        .g = signs,
+        .g_new = signs + m,
+        .g_high = signs + 2 * m,
+        .g_inner = signs + 3 * m,
     };
-    for (int j = 0; j < STAGES; j++)
-        w.k[j] = work + j * n;
+    for (int j = 0; j < STAGES; j++) w.k[j] = work + j * n;
     return w;
 }
 
@@ -46,8 +48,7 @@ static void rates(const System *system, double t, const double *x, double *f)
 
 static void indicate(const Work *w, double t, const double *x, double *g)
 {
-    if (w->system->indicators > 0)
-        w->system->indicate(w->system->context, t, x, g);
+    if (w->system->indicators > 0) w->system->indicate(w->system->context, t, x, g);
 }
 
 /* A step of length h from (t, x) with the rates k[0]: its end goes to y, the rates there to the last k. */
@@ -64,8 +65,7 @@ static double error_ratio(const Work *w, const double *x, double h, double rtol,
         const double a = fabs(x[i]), b = fabs(w->y[i]);
         const double error = stage_error(i, h, w->k);
         const double ratio = fabs(error) / (atol + rtol * (a > b ? a : b) + SMALLEST);
-        if (!(ratio <= largest))
-            largest = ratio;
+        if (!(ratio <= largest)) largest = ratio;
     }
     return largest;
 }
@@ -74,8 +74,7 @@ static double error_ratio(const Work *w, const double *x, double h, double rtol,
 static bool changed(const Work *w)
 {
     for (int j = 0; j < w->system->indicators; j++)
-        if (w->g[j] != w->g_new[j])
-            return true;
+        if (w->g[j] != w->g_new[j]) return true;
     return false;
 }
 
@@ -83,8 +82,7 @@ static bool changed(const Work *w)
 static bool differ(const Work *w, const double *g)
 {
     for (int j = 0; j < w->system->indicators; j++)
-        if ((w->g[j] > 0.0) != (g[j] > 0.0))
-            return true;
+        if ((w->g[j] > 0.0) != (g[j] > 0.0)) return true;
     return false;
 }
 
@@ -92,13 +90,12 @@ static bool differ(const Work *w, const double *g)
 static bool hidden(const Work *w, const double *middle)
 {
     for (int j = 0; j < w->system->indicators; j++)
-        if ((w->g[j] > 0.0) == (w->g_new[j] > 0.0) && (w->g[j] > 0.0) != (middle[j] > 0.0))
-            return true;
+        if ((w->g[j] > 0.0) == (w->g_new[j] > 0.0) && (w->g[j] > 0.0) != (middle[j] > 0.0)) return true;
     return false;
 }
 
-/* A place within the step where an indicator that has one sign at both ends has the other, 0 if none is found: at mid-step,
- * or where the parabola of an indicator through begin, middle and end has its vertex near zero or beyond. */
+/* A place within the step where an indicator that has one sign at both ends has the other, 0 if none is found: at
+ * mid-step, or where the parabola of an indicator through begin, middle and end has its vertex near zero or beyond. */
 static double inside(const Work *w, double t, const double *x, double h)
 {
     const int n = w->system->states, m = w->system->indicators;
@@ -107,24 +104,19 @@ static double inside(const Work *w, double t, const double *x, double h)
     for (int i = 0; i < n; i++) /* the cubic Hermite interpolant */
         w->point[i] = 0.5 * (x[i] + y[i]) + 0.125 * h * (f[i] - f_new[i]);
     indicate(w, t + 0.5 * h, w->point, middle);
-    if (hidden(w, middle))
-        return 0.5 * h;
+    if (hidden(w, middle)) return 0.5 * h;
     for (int j = 0; j < m; j++) {
         const double a = w->g[j], b = w->g_new[j];
         const double slope = 4.0 * middle[j] - 3.0 * a - b, bend = 2.0 * (a + b) - 4.0 * middle[j];
-        if (!(slope * a < 0.0 && 0.0 < bend * a) || (a > 0.0) != (b > 0.0))
-            continue;
+        if (!(slope * a < 0.0 && 0.0 < bend * a) || (a > 0.0) != (b > 0.0)) continue;
         const double s = -0.5 * slope / bend, bottom = a + 0.5 * s * slope;
         const double largest = fabs(b) > fabs(a) ? fabs(b) : fabs(a);
-        if (!(s < 1.0 && (bottom * a <= 0.0 || fabs(bottom) < NEAR * largest)))
-            continue;
+        if (!(s < 1.0 && (bottom * a <= 0.0 || fabs(bottom) < NEAR * largest))) continue;
         const double q = 1.0 - s, wx = q * q * (1.0 + 2.0 * s), wy = s * s * (1.0 + 2.0 * q), wf = h * q * q * s,
                      wg = -h * s * s * q;
-        for (int i = 0; i < n; i++)
-            w->point[i] = wx * x[i] + wy * y[i] + wf * f[i] + wg * f_new[i];
+        for (int i = 0; i < n; i++) w->point[i] = wx * x[i] + wy * y[i] + wf * f[i] + wg * f_new[i];
         indicate(w, t + s * h, w->point, there);
-        if (hidden(w, there))
-            return s * h;
+        if (hidden(w, there)) return s * h;
     }
     return 0.0;
 }
@@ -137,8 +129,7 @@ static int ahead(const Work *w, double t, const double *x, double s)
     advance(w, t, x, s);
     indicate(w, t + s, w->y, w->g_new);
     for (int j = 0; j < w->system->indicators; j++) {
-        if ((w->g[j] > 0.0) == (w->g_new[j] > 0.0))
-            continue;
+        if ((w->g[j] > 0.0) == (w->g_new[j] > 0.0)) continue;
         const double share = fabs(w->g[j]) / (fabs(w->g[j]) + fabs(w->g_new[j]) + TINY);
         if (best < 0 || share < nearest) {
             best = j;
@@ -148,10 +139,7 @@ static int ahead(const Work *w, double t, const double *x, double s)
     return best;
 }
 
-static void copy(double *to, const double *from, int count)
-{
-    memcpy(to, from, (size_t)count * sizeof *to);
-}
+static void copy(double *to, const double *from, int count) { memcpy(to, from, (size_t)count * sizeof *to); }
 
 static void keep_high(const Work *w)
 {
@@ -160,10 +148,10 @@ static void keep_high(const Work *w)
     copy(w->g_high, w->g_new, w->system->indicators);
 }
 
-/* Length of the step that ends just beyond the first zero before `high` in a step of h; its end is left in y, k[LAST] and
- * g_new. Where no sign has changed at `high`, 0, and the step of h is left there. A step often begins on a zero, just
- * located, where the sign is that of rounding for a while: the next is sought from `blind` of the step on, if no sign has
- * changed there. */
+/* Length of the step that ends just beyond the first zero before `high` in a step of h; its end is left in y, k[LAST]
+ * and g_new. Where no sign has changed at `high`, 0, and the step of h is left there. A step often begins on a zero,
+ * just located, where the sign is that of rounding for a while: the next is sought from `blind` of the step on, if no
+ * sign has changed there. */
 static double locate(const Work *w, double t, const double *x, double high, double h, double blind)
 {
     int which = ahead(w, t, x, high);
@@ -195,10 +183,8 @@ static double locate(const Work *w, double t, const double *x, double high, doub
             s = low + 0.5 * size;
             slow = 0;
         }
-        if (!(s > low + 0.5 * width))
-            s = low + 0.5 * width;
-        if (s > high - 0.5 * width)
-            s = high - 0.5 * width;
+        if (!(s > low + 0.5 * width)) s = low + 0.5 * width;
+        if (s > high - 0.5 * width) s = high - 0.5 * width;
         const int changed = ahead(w, t, x, s);
         if (changed < 0) {
             low = s;
@@ -229,7 +215,8 @@ static double locate(const Work *w, double t, const double *x, double high, doub
     return high;
 }
 
-int integrate(const System *system, double *t, double *x, double t_end, double rtol, double atol, double *step, double *work)
+int integrate(const System *system, double *t, double *x, double t_end, double rtol, double atol, double *step,
+              double *work)
 {
     Work w = partition(system, work);
     const int n = system->states;
@@ -237,8 +224,7 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
     rates(system, *t, x, w.k[0]);
     indicate(&w, *t, x, w.g);
     for (int steps = 0; t_end - *t > 0.0;) {
-        if (++steps > MAX_STEPS)
-            return 2;
+        if (++steps > MAX_STEPS) return 2;
         const double left = t_end - *t;
         const bool last = h > LANDING * left;
         double trial = last ? left : h, landing = last ? t_end : *t + h;
@@ -246,11 +232,11 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
         const double ratio = error_ratio(&w, x, trial, rtol, atol);
         if (!(ratio <= 1.0)) {
             h = trial * (ratio < NO_NUMBER ? fmax(LEAST_GROWTH, SAFETY * pow(ratio, -1.0 / ORDER)) : RESCUE);
-            if (!(*t + h > *t))
-                return 1;
+            if (!(*t + h > *t)) return 1;
             continue;
         }
-        const double grown = ratio > EASY ? trial * fmin(MOST_GROWTH, SAFETY * pow(ratio, -1.0 / ORDER)) : MOST_GROWTH * trial;
+        const double grown =
+            ratio > EASY ? trial * fmin(MOST_GROWTH, SAFETY * pow(ratio, -1.0 / ORDER)) : MOST_GROWTH * trial;
         bool event = false;
         if (system->indicators > 0) {
             indicate(&w, landing, w.y, w.g_new);

@@ -106,8 +106,8 @@ Outcome state_rates(Instance *it, double *dx)
     if (outcome == DONE) outcome = rates_now(it, dx);
     for (int i = 0; outcome == DONE && i < it->unit->states; i++)
         if (!is_finite(dx[i]))
-            outcome = refuse(it, REFUSED, "%s became %s", it->unit->variable[it->unit->first.state_derivatives + i].name,
-                             shortest(dx[i], text));
+            outcome = refuse(it, REFUSED, "%s became %s",
+                             it->unit->variable[it->unit->first.state_derivatives + i].name, shortest(dx[i], text));
     return outcome;
 }
 
