@@ -34,7 +34,8 @@ ROUNDING = 1e-9
 
 BLIND = 1e-6
 """Share of a step, begun on a zero, in which the sign is not trusted; four times as much, up to a tenth, with every event
-that cuts a step to less than `SHORT` of itself: where an indicator is zero but for rounding, time goes on."""
+that cuts a step to less than `SHORT` of itself, until a step is not cut: where an indicator is zero but for rounding, time
+goes on."""
 
 SHORT = 1e-3
 
@@ -170,16 +171,18 @@ def integrate(
         if indicators:
             g_new = indicators(landing, y)
             whole = trial
-            if g_new != g:
-                high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-                while high > 0.0:
-                    found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
-                    if not found:  # only the interpolant changes its sign
-                        break
-                    trial, y, f_new, g_new = found
-                    landing, event = t + trial, True
-                    high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-            blind = min(4.0 * blind, 0.1) if event and trial < SHORT * whole else BLIND
+            high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+            while high > 0.0:
+                found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
+                if not found:  # only the interpolant changes its sign
+                    break
+                trial, y, f_new, g_new = found
+                landing, event = t + trial, True
+                high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+            if not event:
+                blind = BLIND
+            elif trial < SHORT * whole:
+                blind = min(4.0 * blind, 0.1)
             g = g_new
         if on_step:
             on_step(t, x, f, landing, y, f_new)
@@ -221,25 +224,22 @@ def _inside(
     middle and end of the step has its vertex near zero or beyond."""
     w = 0.125 * h
     middle = tuple([0.5 * (p + q) + w * (r - v) for p, q, r, v in zip(x, y, f, f_new)])
-    g_middle = indicators(t + 0.5 * h, middle)
-    if _hidden(g, g_middle, g_new):
-        return 0.5 * h
-    for a, m, b in zip(g, g_middle, g_new):
+    for a, m, b in zip(g, indicators(t + 0.5 * h, middle), g_new):
+        if (a > 0.0) != (b > 0.0):
+            continue
+        if (a > 0.0) != (m > 0.0):
+            return 0.5 * h
         slope = 4.0 * m - 3.0 * a - b
         bend = 2.0 * (a + b) - 4.0 * m
-        if not slope * a < 0.0 < bend * a or (a > 0.0) != (b > 0.0):
+        if not slope * a < 0.0 < bend * a:
             continue
         s = -0.5 * slope / bend
         bottom = a + 0.5 * s * slope
-        near = bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))
-        if s < 1.0 and near and _hidden(g, indicators(t + s * h, interpolate(s, h, x, f, y, f_new)), g_new):
-            return s * h
+        if s < 1.0 and (bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))):
+            there = indicators(t + s * h, interpolate(s, h, x, f, y, f_new))
+            if any((a > 0.0) == (b > 0.0) != (v > 0.0) for a, v, b in zip(g, there, g_new)):
+                return s * h
     return 0.0
-
-
-def _hidden(g: Sequence[float], g_middle: Sequence[float], g_new: Sequence[float]) -> bool:
-    """Whether some indicator has one sign at both ends and the other between them."""
-    return any((a > 0.0) == (b > 0.0) != (m > 0.0) for a, m, b in zip(g, g_middle, g_new))
 
 
 def _locate(

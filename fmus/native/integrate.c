@@ -21,7 +21,8 @@ enum { STAGES = 7, MAX_TRIALS = 200 }; /* MAX_TRIALS: to locate an event */
 #define ROUNDING 1e-9
 
 /* Share of a step, begun on a zero, in which the sign is not trusted; four times as much, up to a tenth, with every event
- * that cuts a step to less than SHORT of itself: where an indicator is zero but for rounding, time goes on. */
+ * that cuts a step to less than SHORT of itself, until a step is not cut: where an indicator is zero but for rounding, time
+ * goes on. */
 #define BLIND 1e-6
 #define SHORT 1e-3
 
@@ -108,29 +109,11 @@ static double error_ratio(const Work *w, const double *x, double h, double rtol,
     return largest;
 }
 
-/* Whether some indicator has another value at the end of the step than at its begin. */
-static bool changed(const Work *w)
-{
-    for (int j = 0; j < w->system->indicators; j++)
-        if (w->g[j] != w->g_new[j])
-            return true;
-    return false;
-}
-
 /* Whether some indicator has another sign than at the begin. */
 static bool differ(const Work *w, const double *g)
 {
     for (int j = 0; j < w->system->indicators; j++)
         if ((w->g[j] > 0.0) != (g[j] > 0.0))
-            return true;
-    return false;
-}
-
-/* Whether some indicator has one sign at both ends and the other, in `middle`, between them. */
-static bool hidden(const Work *w, const double *middle)
-{
-    for (int j = 0; j < w->system->indicators; j++)
-        if ((w->g[j] > 0.0) == (w->g_new[j] > 0.0) && (w->g[j] > 0.0) != (middle[j] > 0.0))
             return true;
     return false;
 }
@@ -145,12 +128,14 @@ static double inside(const Work *w, double t, const double *x, double h)
     for (int i = 0; i < n; i++) /* the cubic Hermite interpolant */
         w->point[i] = 0.5 * (x[i] + y[i]) + 0.125 * h * (f[i] - f_new[i]);
     indicate(w, t + 0.5 * h, w->point, middle);
-    if (hidden(w, middle))
-        return 0.5 * h;
     for (int j = 0; j < m; j++) {
         const double a = w->g[j], b = w->g_new[j];
+        if ((a > 0.0) != (b > 0.0))
+            continue;
+        if ((a > 0.0) != (middle[j] > 0.0))
+            return 0.5 * h;
         const double slope = 4.0 * middle[j] - 3.0 * a - b, bend = 2.0 * (a + b) - 4.0 * middle[j];
-        if (!(slope * a < 0.0 && 0.0 < bend * a) || (a > 0.0) != (b > 0.0))
+        if (!(slope * a < 0.0 && 0.0 < bend * a))
             continue;
         const double s = -0.5 * slope / bend, bottom = a + 0.5 * s * slope;
         const double largest = fabs(b) > fabs(a) ? fabs(b) : fabs(a);
@@ -161,8 +146,9 @@ static double inside(const Work *w, double t, const double *x, double h)
         for (int i = 0; i < n; i++)
             w->point[i] = wx * x[i] + wy * y[i] + wf * f[i] + wg * f_new[i];
         indicate(w, t + s * h, w->point, there);
-        if (hidden(w, there))
-            return s * h;
+        for (int i = 0; i < m; i++)
+            if ((w->g[i] > 0.0) == (w->g_new[i] > 0.0) && (w->g[i] > 0.0) != (there[i] > 0.0))
+                return s * h;
     }
     return 0.0;
 }
@@ -293,7 +279,7 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
         if (system->indicators > 0) {
             indicate(&w, landing, w.y, w.g_new);
             const double whole = trial;
-            double high = changed(&w) ? differ(&w, w.g_new) ? trial : inside(&w, *t, x, trial) : 0.0;
+            double high = differ(&w, w.g_new) ? trial : inside(&w, *t, x, trial);
             while (high > 0.0) {
                 const double found = locate(&w, *t, x, high, trial, blind);
                 if (!(found > 0.0)) /* only the interpolant changes its sign */
@@ -303,7 +289,10 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
                 event = true;
                 high = inside(&w, *t, x, trial);
             }
-            blind = event && trial < SHORT * whole ? fmin(4.0 * blind, 0.1) : BLIND;
+            if (!event)
+                blind = BLIND;
+            else if (trial < SHORT * whole)
+                blind = fmin(4.0 * blind, 0.1);
             copy(w.g, w.g_new, system->indicators);
         }
         /* a step cut short by t_end or an event says nothing against the longer step that was tried before */
