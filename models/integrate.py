@@ -209,16 +209,9 @@ def _differ(g: Sequence[float], g_new: Sequence[float]) -> bool:
 
 
 def _inside(
-    g: Sequence[float],
-    g_new: Sequence[float],
-    indicators: Indicators,
-    t: float,
-    x: Vector,
-    f: Sequence[float],
-    h: float,
-    y: Vector,
-    f_new: Sequence[float],
-) -> float:
+    g: Sequence[float], g_new: Sequence[float], indicators: Indicators, t: float, x: Vector, f: Sequence[float], h: float,
+    y: Vector, f_new: Sequence[float],
+) -> float:  # fmt: skip
     """A place within the step where an indicator that has one sign at both ends has the other, 0 if none is found:
     looked for on the cubic Hermite interpolant at mid-step, and where the parabola of an indicator through begin,
     middle and end of the step has its vertex near zero or beyond."""
@@ -243,17 +236,9 @@ def _inside(
 
 
 def _locate(
-    step: Step,
-    rates: Rates,
-    indicators: Indicators,
-    t: float,
-    x: Vector,
-    f: Sequence[float],
-    g: Sequence[float],
-    high: float,
-    h: float,
-    blind: float,
-) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:
+    step: Step, rates: Rates, indicators: Indicators, t: float, x: Vector, f: Sequence[float], g: Sequence[float],
+    high: float, h: float, blind: float,
+) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:  # fmt: skip
     """The step that ends just beyond the first zero before ``high`` in a step of ``h``: (length, state, rates,
     indicators) there; None where no sign has changed at ``high``.
 

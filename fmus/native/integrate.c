@@ -13,16 +13,8 @@ enum { STAGES = 7, MAX_TRIALS = 200 }; /* MAX_TRIALS: to locate an event */
 
 /* Below this ratio of error to tolerance the step grows fivefold: 0.9 r^(-1/5) > 5 for r < 1.89e-4; saves the power. */
 #define EASY 1.8e-4
-
-/* Share of its values at both ends of a step below which the vertex of an indicator's parabola is looked at. */
-#define NEAR 0.1
-
-/* Share of its value beyond the next zero below which an indicator is zero but for rounding. */
+#define NEAR 0.1 /* as in models/integrate.py, where the next are explained */
 #define ROUNDING 1e-9
-
-/* Share of a step, begun on a zero, in which the sign is not trusted; four times as much, up to a tenth, with every event
- * that cuts a step to less than SHORT of itself, until a step is not cut: where an indicator is zero but for rounding, time
- * goes on. */
 #define BLIND 1e-6
 #define SHORT 1e-3
 
@@ -196,19 +188,15 @@ static double locate(const Work *w, double t, const double *x, double high, doub
         return 0.0;
     }
     keep_high(w);
-    double g_high = w->g_new[which], width = fmax(1e-12 * h, 1e-15 * fabs(t)), start = 0.0;
-    const double *g_start = w->g;
-    const double g_begin = fabs(w->g[which]);
-    if (0.0 < g_begin && g_begin < ROUNDING * fabs(g_high)) {
-        const double s = fmin(blind * h, 0.1 * high);
-        if (ahead(w, t, x, s) < 0) {
-            start = s;
-            copy(w->g_inner, w->g_new, w->system->indicators);
-            g_start = w->g_inner;
-        }
+    const double coarse = blind > 100.0 * BLIND ? blind * h : 0.0; /* nothing but rounding changes the sign that often */
+    const double width = fmax(fmax(1e-12 * h, 1e-15 * fabs(t)), coarse), near = fmin(blind * h, 0.1 * high);
+    const double g_begin = fabs(w->g[which]), *g_start = w->g;
+    double g_high = w->g_new[which], start = 0.0;
+    if (0.0 < g_begin && g_begin < ROUNDING * fabs(g_high) && ahead(w, t, x, near) < 0) {
+        copy(w->g_inner, w->g_new, w->system->indicators);
+        g_start = w->g_inner;
+        start = near;
     }
-    if (blind > 100.0 * BLIND) /* nothing but rounding changes the sign that often: go on */
-        width = fmax(width, blind * h);
     double low = start, g_low = g_start[which];
     int last = 0, slow = 0;
     for (int n = 0; n < MAX_TRIALS && high - low > width; n++) {
@@ -229,21 +217,20 @@ static double locate(const Work *w, double t, const double *x, double high, doub
             g_low = w->g_new[which];
             g_high *= last < 0 ? 0.5 : 1.0;
             last = -1;
-        } else if (changed != which) { /* another indicator changes before this one */
-            which = changed;
-            high = s;
-            g_high = w->g_new[which];
-            keep_high(w);
-            low = start;
-            g_low = g_start[which];
-            last = 0;
-            size = 2.0 * high;
         } else {
             high = s;
-            g_high = w->g_new[which];
             keep_high(w);
-            g_low *= last > 0 ? 0.5 : 1.0;
-            last = 1;
+            if (changed == which) {
+                g_low *= last > 0 ? 0.5 : 1.0;
+                last = 1;
+            } else { /* another indicator changes before this one */
+                which = changed;
+                low = start;
+                g_low = g_start[which];
+                last = 0;
+                size = 2.0 * high;
+            }
+            g_high = w->g_new[which];
         }
         slow = high - low > 0.5 * size ? slow + 1 : 0;
     }
