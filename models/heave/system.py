@@ -44,8 +44,8 @@ DORMAND_PRINCE_8 = Tableau(
     order=8,
 )
 
-REST = 1e-150
-"""Length, m, below which nothing moves: its square would not be a number."""
+REST = 1e-290
+"""Length, m, below which nothing moves: tolerances of such a motion would underflow."""
 
 GRAZING = 1e-11
 """Depth of slack, as a share of the lengths it is the difference of, below which it is beyond the integrator."""

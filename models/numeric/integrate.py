@@ -48,7 +48,8 @@ ROUNDING = 1e-9
 
 BLIND = 1e-6
 """Share of a step, begun on a zero, in which the sign is not trusted; four times as much, up to a tenth, with every event
-that cuts a step to less than `SHORT` of itself: where an indicator is zero but for rounding, time goes on."""
+that cuts a step to less than `SHORT` of itself, until a step is not cut: where an indicator is zero but for rounding, time
+goes on."""
 MOST_BLIND, SHORT = 0.1, 1e-3
 
 
@@ -183,16 +184,18 @@ def integrate(
         if indicators:
             g_new = indicators(landing, y)
             whole = trial
-            if g_new != g:
-                high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-                while high > 0.0:
-                    found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
-                    if not found:  # only the interpolant changes its sign
-                        break
-                    trial, y, f_new, g_new = found
-                    landing, event = t + trial, True
-                    high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-            blind = min(4.0 * blind, MOST_BLIND) if event and trial < SHORT * whole else BLIND
+            high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+            while high > 0.0:
+                found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
+                if not found:  # only the interpolant changes its sign
+                    break
+                trial, y, f_new, g_new = found
+                landing, event = t + trial, True
+                high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+            if not event:
+                blind = BLIND
+            elif trial < SHORT * whole:
+                blind = min(4.0 * blind, MOST_BLIND)
             g = g_new
         if on_step:
             on_step(t, x, f, landing, y, f_new)
@@ -219,54 +222,36 @@ def _differ(g: Sequence[float], g_new: Sequence[float]) -> bool:
 
 
 def _inside(
-    g: Sequence[float],
-    g_new: Sequence[float],
-    indicators: Indicators,
-    t: float,
-    x: Vector,
-    f: Sequence[float],
-    h: float,
-    y: Vector,
-    f_new: Sequence[float],
-) -> float:
+    g: Sequence[float], g_new: Sequence[float], indicators: Indicators, t: float, x: Vector, f: Sequence[float], h: float,
+    y: Vector, f_new: Sequence[float],
+) -> float:  # fmt: skip
     """A place within the step where an indicator that has one sign at both ends has the other, 0 if none is found:
     looked for on the cubic Hermite interpolant at mid-step, and where the parabola of an indicator through begin,
     middle and end of the step has its vertex near zero or beyond."""
     w = 0.125 * h
     middle = tuple([0.5 * (p + q) + w * (r - v) for p, q, r, v in zip(x, y, f, f_new)])
-    g_middle = indicators(t + 0.5 * h, middle)
-    if _hidden(g, g_middle, g_new):
-        return 0.5 * h
-    for a, m, b in zip(g, g_middle, g_new):
+    for a, m, b in zip(g, indicators(t + 0.5 * h, middle), g_new):
+        if (a > 0.0) != (b > 0.0):
+            continue
+        if (a > 0.0) != (m > 0.0):
+            return 0.5 * h
         slope = 4.0 * m - 3.0 * a - b
         bend = 2.0 * (a + b) - 4.0 * m
-        if not slope * a < 0.0 < bend * a or (a > 0.0) != (b > 0.0):
+        if not slope * a < 0.0 < bend * a:
             continue
         s = -0.5 * slope / bend
         bottom = a + 0.5 * s * slope
-        near = bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))
-        if s < 1.0 and near and _hidden(g, indicators(t + s * h, interpolate(s, h, x, f, y, f_new)), g_new):
-            return s * h
+        if s < 1.0 and (bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))):
+            there = indicators(t + s * h, interpolate(s, h, x, f, y, f_new))
+            if any((a > 0.0) == (b > 0.0) != (v > 0.0) for a, v, b in zip(g, there, g_new)):
+                return s * h
     return 0.0
 
 
-def _hidden(g: Sequence[float], g_middle: Sequence[float], g_new: Sequence[float]) -> bool:
-    """Whether some indicator has one sign at both ends and the other between them."""
-    return any((a > 0.0) == (b > 0.0) != (m > 0.0) for a, m, b in zip(g, g_middle, g_new))
-
-
 def _locate(
-    step: Step,
-    rates: Rates,
-    indicators: Indicators,
-    t: float,
-    x: Vector,
-    f: Sequence[float],
-    g: Sequence[float],
-    high: float,
-    h: float,
-    blind: float,
-) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:
+    step: Step, rates: Rates, indicators: Indicators, t: float, x: Vector, f: Sequence[float], g: Sequence[float],
+    high: float, h: float, blind: float,
+) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:  # fmt: skip
     """The step that ends just beyond the first zero before ``high`` in a step of ``h``: (length, state, rates,
     indicators) there; None where no sign has changed at ``high``.
 

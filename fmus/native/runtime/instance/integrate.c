@@ -70,27 +70,11 @@ static double error_ratio(const Work *w, const double *x, double h, double rtol,
     return largest;
 }
 
-/* Whether some indicator has another value at the end of the step than at its begin. */
-static bool changed(const Work *w)
-{
-    for (int j = 0; j < w->system->indicators; j++)
-        if (w->g[j] != w->g_new[j]) return true;
-    return false;
-}
-
 /* Whether some indicator has another sign than at the begin. */
 static bool differ(const Work *w, const double *g)
 {
     for (int j = 0; j < w->system->indicators; j++)
         if ((w->g[j] > 0.0) != (g[j] > 0.0)) return true;
-    return false;
-}
-
-/* Whether some indicator has one sign at both ends and the other, in `middle`, between them. */
-static bool hidden(const Work *w, const double *middle)
-{
-    for (int j = 0; j < w->system->indicators; j++)
-        if ((w->g[j] > 0.0) == (w->g_new[j] > 0.0) && (w->g[j] > 0.0) != (middle[j] > 0.0)) return true;
     return false;
 }
 
@@ -104,11 +88,12 @@ static double inside(const Work *w, double t, const double *x, double h)
     for (int i = 0; i < n; i++) /* the cubic Hermite interpolant */
         w->point[i] = 0.5 * (x[i] + y[i]) + 0.125 * h * (f[i] - f_new[i]);
     indicate(w, t + 0.5 * h, w->point, middle);
-    if (hidden(w, middle)) return 0.5 * h;
     for (int j = 0; j < m; j++) {
         const double a = w->g[j], b = w->g_new[j];
+        if ((a > 0.0) != (b > 0.0)) continue;
+        if ((a > 0.0) != (middle[j] > 0.0)) return 0.5 * h;
         const double slope = 4.0 * middle[j] - 3.0 * a - b, bend = 2.0 * (a + b) - 4.0 * middle[j];
-        if (!(slope * a < 0.0 && 0.0 < bend * a) || (a > 0.0) != (b > 0.0)) continue;
+        if (!(slope * a < 0.0 && 0.0 < bend * a)) continue;
         const double s = -0.5 * slope / bend, bottom = a + 0.5 * s * slope;
         const double largest = fabs(b) > fabs(a) ? fabs(b) : fabs(a);
         if (!(s < 1.0 && (bottom * a <= 0.0 || fabs(bottom) < NEAR * largest))) continue;
@@ -116,7 +101,8 @@ static double inside(const Work *w, double t, const double *x, double h)
                      wg = -h * s * s * q;
         for (int i = 0; i < n; i++) w->point[i] = wx * x[i] + wy * y[i] + wf * f[i] + wg * f_new[i];
         indicate(w, t + s * h, w->point, there);
-        if (hidden(w, there)) return s * h;
+        for (int i = 0; i < m; i++)
+            if ((w->g[i] > 0.0) == (w->g_new[i] > 0.0) && (w->g[i] > 0.0) != (there[i] > 0.0)) return s * h;
     }
     return 0.0;
 }
@@ -160,19 +146,17 @@ static double locate(const Work *w, double t, const double *x, double high, doub
         return 0.0;
     }
     keep_high(w);
-    double g_high = w->g_new[which], width = fmax(EVENT_WIDTH * h, TIME_WIDTH * fabs(t)), start = 0.0;
-    const double *g_start = w->g;
-    const double g_begin = fabs(w->g[which]);
-    if (0.0 < g_begin && g_begin < ROUNDING * fabs(g_high)) {
-        const double s = fmin(blind * h, MOST_BLIND * high);
-        if (ahead(w, t, x, s) < 0) {
-            start = s;
-            copy(w->g_inner, w->g_new, w->system->indicators);
-            g_start = w->g_inner;
-        }
+    const double coarse =
+        blind > 100.0 * BLIND ? blind * h : 0.0; /* nothing but rounding changes the sign that often */
+    const double width = fmax(fmax(EVENT_WIDTH * h, TIME_WIDTH * fabs(t)), coarse),
+                 near = fmin(blind * h, MOST_BLIND * high);
+    const double g_begin = fabs(w->g[which]), *g_start = w->g;
+    double g_high = w->g_new[which], start = 0.0;
+    if (0.0 < g_begin && g_begin < ROUNDING * fabs(g_high) && ahead(w, t, x, near) < 0) {
+        copy(w->g_inner, w->g_new, w->system->indicators);
+        g_start = w->g_inner;
+        start = near;
     }
-    if (blind > 100.0 * BLIND) /* nothing but rounding changes the sign that often: go on */
-        width = fmax(width, blind * h);
     double low = start, g_low = g_start[which];
     int last = 0, slow = 0;
     for (int n = 0; n < MAX_TRIALS && high - low > width; n++) {
@@ -191,21 +175,20 @@ static double locate(const Work *w, double t, const double *x, double high, doub
             g_low = w->g_new[which];
             g_high *= last < 0 ? 0.5 : 1.0;
             last = -1;
-        } else if (changed != which) { /* another indicator changes before this one */
-            which = changed;
-            high = s;
-            g_high = w->g_new[which];
-            keep_high(w);
-            low = start;
-            g_low = g_start[which];
-            last = 0;
-            size = 2.0 * high;
         } else {
             high = s;
-            g_high = w->g_new[which];
             keep_high(w);
-            g_low *= last > 0 ? 0.5 : 1.0;
-            last = 1;
+            if (changed == which) {
+                g_low *= last > 0 ? 0.5 : 1.0;
+                last = 1;
+            } else { /* another indicator changes before this one */
+                which = changed;
+                low = start;
+                g_low = g_start[which];
+                last = 0;
+                size = 2.0 * high;
+            }
+            g_high = w->g_new[which];
         }
         slow = high - low > 0.5 * size ? slow + 1 : 0;
     }
@@ -241,7 +224,7 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
         if (system->indicators > 0) {
             indicate(&w, landing, w.y, w.g_new);
             const double whole = trial;
-            double high = changed(&w) ? differ(&w, w.g_new) ? trial : inside(&w, *t, x, trial) : 0.0;
+            double high = differ(&w, w.g_new) ? trial : inside(&w, *t, x, trial);
             while (high > 0.0) {
                 const double place = locate(&w, *t, x, high, trial, blind);
                 if (!(place > 0.0)) /* only the interpolant changes its sign */
@@ -251,7 +234,10 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
                 event = true;
                 high = inside(&w, *t, x, trial);
             }
-            blind = event && trial < SHORT * whole ? fmin(4.0 * blind, MOST_BLIND) : BLIND;
+            if (!event)
+                blind = BLIND;
+            else if (trial < SHORT * whole)
+                blind = fmin(4.0 * blind, MOST_BLIND);
             copy(w.g, w.g_new, system->indicators);
         }
         /* a step cut short by t_end or an event says nothing against the longer step that was tried before */
