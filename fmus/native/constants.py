@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ...models.cable.lumped import fidelity, reduction
-from ...models.numeric import integrate, ops
+from ...models.numeric import integrate, ops, tableaus
 from ...models.slender import damping
 from ..declare.unit import INPUT_ORDERS
 from ..describe.fmi2 import LOG_CATEGORIES
@@ -26,7 +26,7 @@ NUMBERS = {
     "MOST_GROWTH": (integrate.MOST_GROWTH, "of a step from one to the next"),
     "LEAST_GROWTH": (integrate.LEAST_GROWTH, "likewise, after a step that was refused"),
     "EASY": (
-        0.95 * (integrate.SAFETY / integrate.MOST_GROWTH) ** integrate.DORMAND_PRINCE_5.order,
+        0.95 * (integrate.SAFETY / integrate.MOST_GROWTH) ** tableaus.DORMAND_PRINCE_5.order,
         "ratio of error to tolerance below which a step grows by MOST_GROWTH, whatever the power is",
     ),
     "RESCUE": (integrate.RESCUE, "factor on a step whose error is no number"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...models.numeric.integrate import DORMAND_PRINCE_5, Tableau
+from ...models.numeric.tableaus import DORMAND_PRINCE_5, Tableau
 
 
 def combination(weights: Sequence[float], rate: str) -> str:
@@ -49,7 +49,7 @@ def runtime_stages(method: Tableau = DORMAND_PRINCE_5) -> str:
         loop="for (int i = 0; i < n; i++)", point="point",
     )  # fmt: skip
     body = "\n".join(f"    {line}" for line in steps)
-    return f"""/* {method.name}: made from its tableau in models/numeric/integrate.py. */
+    return f"""/* {method.name}: made from its tableau in models/numeric/tableaus.py. */
 #ifndef TOWAGE_STAGES_H
 #define TOWAGE_STAGES_H
 

@@ -30,8 +30,9 @@ from dataclasses import dataclass
 
 from scipy.integrate import DOP853
 
-from ..numeric.integrate import Rates, Tableau, Vector, integrate
+from ..numeric.integrate import Rates, Vector, integrate
 from ..numeric.ops import FLOATS, Ops, Value
+from ..numeric.tableaus import Tableau
 from . import cradle, ship, spring_line
 
 DORMAND_PRINCE_8 = Tableau(

@@ -21,14 +21,13 @@ from towage.fmus.declare.unit import load
 from towage.fmus.native.build import runtime_sources
 from towage.fmus.native.trace import trace
 from towage.fmus.python.instance import Instance
-from towage.models.cable.lumped.linear import LinearModel
+from towage.models.cable.lumped.linear import StateSpace
 from towage.models.cable.lumped.reduction import band_frequencies, reduce, transfer
 from towage.models.heave import ship
 from towage.models.numeric.exact_step import exact_step
-from towage.models.numeric.integrate import DORMAND_PRINCE_5, EVENT_WIDTH, integrate, unrolled
-from towage.models.numeric.matrix_ops import numbers
+from towage.models.numeric.integrate import EVENT_WIDTH, integrate, unrolled
 from towage.models.numeric.ops import FLOATS
-from towage.models.protocol.linear_model import LinearUnit
+from towage.models.numeric.tableaus import DORMAND_PRINCE_5
 from towage.models.slender.damping import exponential
 
 from . import linear_example as example
@@ -197,7 +196,7 @@ def test_exact_steps() -> None:
 def masses(tmp_path_factory: pytest.TempPathFactory) -> Library:
     if not compiler_found():
         pytest.skip("no C compiler")
-    traced = trace(example.unit(example), {})
+    traced = trace(example.UNIT, {})
     return unit_library(traced, tmp_path_factory.mktemp("masses")), traced
 
 
@@ -205,15 +204,7 @@ def test_steps_with_a_schedule(masses: Library) -> None:
     """Cubic inputs, a schedule that is frozen in the middle of a step, an own state and its degree 4."""
     file = vectors("scheduled")
     p = example.Parameters(**file["parameters"], masses=2.0, band=3.0)
-    setup = example.setup(p, example.Size(), numbers())
-
-    def drive(*given: Any) -> Any:
-        """All of degree 4."""
-        return [(*each, *[0.0] * (5 - len(each))) for each in example.drive(*given)]
-
-    unit = LinearUnit(
-        setup, p, drive, example.own_after, example.core, example.observe, order=4, schedule=example.schedule
-    )
+    unit = example.LINEAR.prepared(p)
     native = NativeInstance(*masses, **file["parameters"])
     x: tuple[float, ...] = (file["parameters"]["start"], 0.0, 0.0, 0.0, 0.0)
     for step in file["steps"]:
@@ -239,7 +230,7 @@ def test_ship_in_closed_form(tmp_path: Path) -> None:
         values = {v.name: v.start for v in load("ship").parameters}
         values |= {"mass": file["mass"], "stiffness": file["stiffness"], "damping": case["damping"]}
         p, h, x, reaction = ship.Parameters(**values), case["h"], ship.State(*case["x"]), case["reaction"]
-        results = [list(ship.advance(0.0, h, x, ship.Modes(), [reaction], p, FLOATS))]
+        results = [list(ship.advance(0.0, h, x, ship.Modes(), ship.Inputs(reaction), p, FLOATS))]
         if compiled:
             results += compiled("advance", [0.0], [h], x, [], reaction, list(values.values()), [])
         # near critical damping the formula takes what rounding leaves of a difference, and its root
@@ -280,7 +271,7 @@ def complex_gains(values: Any) -> Any:
 def test_reduction(case: dict[str, Any], runtime: ctypes.CDLL) -> None:
     file = vectors("reduction")
     matrices = {name: np.array(rows, dtype=float) for name, rows in file["system"].items()}
-    full = LinearModel(None, **matrices)  # type: ignore[arg-type]
+    full = StateSpace(None, **matrices)  # type: ignore[arg-type]
     places, band, modal = file["places"], file["band"], case["method"] == "modal"
     frequencies = band_frequencies(band)
     assert frequencies[places] == pytest.approx(file["frequencies"], rel=1e-14)

@@ -5,16 +5,8 @@ import math
 import pytest
 
 from towage.models.heave.system import DORMAND_PRINCE_8
-from towage.models.numeric.integrate import (
-    DORMAND_PRINCE_5,
-    SMALLEST,
-    IntegrationError,
-    Tableau,
-    Vector,
-    integrate,
-    interpolate,
-    unrolled,
-)
+from towage.models.numeric.integrate import SMALLEST, IntegrationError, Vector, integrate, interpolate, unrolled
+from towage.models.numeric.tableaus import DORMAND_PRINCE_5, Tableau
 
 
 def kepler(t: float, x: Vector) -> Vector:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from ....models.heave.system import DORMAND_PRINCE_8
-from ....models.numeric.integrate import Tableau
+from ....models.numeric.tableaus import Tableau
 from ...declare.unit import Unit
 from ..compiler import compiler, host, output_of
 from ..constants import definitions
