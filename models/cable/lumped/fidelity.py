@@ -27,6 +27,8 @@ from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .reduction import reduce, relative_error
 
 FEWEST, MOST = 6, 120
+LEAST_SHARE = 0.25
+"""Share of the tolerance that is left to the reduction, whatever the segments took."""
 UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(drag=-1.0), Excitation(lift=1.0)]
 
 
@@ -93,7 +95,7 @@ def choose(
     full = model if with_body else ends_together(cable_elastic(tow_used, max(count, 2)), numbers())
     final = full
     if reduced:
-        smaller = reduce(full, max(0.25 * tolerance, tolerance - error), band, extensible, counted)
+        smaller = reduce(full, max(LEAST_SHARE * tolerance, tolerance - error), band, extensible, counted)
         final, error = smaller.model, error + smaller.error
     lost = 0.0
     if not extensible and math.isfinite(tow.cable.axial_stiffness):

@@ -32,8 +32,10 @@ from .linear import BODY_VELOCITY, FORCE, StateSpace
 
 FREQUENCIES = 40
 """Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
-BAND_START = 0.02
-"""rad/s; low end of the band, a period of five minutes."""
+BAND_START, BAND_SHARE = 0.02, 0.1
+"""Low end of the band, rad/s, a period of five minutes; of a narrow band, its share of the high end."""
+NEGLIGIBLE = 1e-12
+"""Hankel singular values below this share of the largest are rounding."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Reduced:
 
 def band_frequencies(band: float, count: int = FREQUENCIES) -> Array:
     """Angular frequencies, rad/s, up to ``band``."""
-    return np.geomspace(min(BAND_START, 0.1 * band), band, count)
+    return np.geomspace(min(BAND_START, BAND_SHARE * band), band, count)
 
 
 def transfer(model: StateSpace, frequencies: Array) -> ComplexArray:
@@ -114,7 +116,7 @@ def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
     controllability = _root(solve_continuous_lyapunov(a, -b @ b.T))
     observability = _root(solve_continuous_lyapunov(a.T, -c.T @ c))
     u, s, vt = np.linalg.svd(observability.T @ controllability)
-    count = int((s > 1e-12 * s[0]).sum())
+    count = int((s > NEGLIGIBLE * s[0]).sum())
     root = 1.0 / np.sqrt(s[:count])
     right = controllability @ vt[:count].T * root
     left = observability @ u[:, :count] * root
