@@ -13,6 +13,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +130,9 @@ def modes_table() -> None:
     print("\nThe series has no spectrum of its own: its roots are sought from the exact ones, which flatters it.\n")
 
 
+STEP: Any = slender_body.SLENDER_BODY.advance
+
+
 def base(**changes: float) -> slender_setup.Parameters:
     """The unit's default parameters."""
     values = {v.name: float(v.start or 0.0) for v in UNIT.parameters} | {"bending_stiffness": 2830.194553649008}
@@ -141,16 +145,16 @@ def step_table() -> None:
     print("|---|---|---|---|---|")
     for n in (2, 6, 10, 14, 18, 24):
         p = base(flexible=0.0) if n == 2 else base(shape_functions=float(n))
-        x, m = slender_body.initial(p, FLOATS)
+        x, m = slender_body.SLENDER_BODY.initial(p, FLOATS)
         made = slender_prepared.prepare(p)
         counter = iter(range(10**6))
 
         def held(p=p, x=x, m=m) -> object:  # type: ignore[no-untyped-def]
-            return [slender_body.advance(0.0, 0.1, x, m, [(2.7, 0.0, 0.0, 0.0), MOVING], p, FLOATS) for _ in range(200)]
+            return [STEP(0.0, 0.1, x, m, [(2.7, 0.0, 0.0, 0.0), MOVING], p, FLOATS) for _ in range(200)]
 
         def new(p=p, x=x, m=m, counter=counter) -> object:  # type: ignore[no-untyped-def]
             speed = 2.7 + 1e-6 * next(counter)
-            return slender_body.advance(0.0, 0.1, x, m, [(speed, 0.0, 0.0, 0.0), MOVING], p, FLOATS)
+            return STEP(0.0, 0.1, x, m, [(speed, 0.0, 0.0, 0.0), MOVING], p, FLOATS)
 
         def growth(made=made, counter=counter) -> object:  # type: ignore[no-untyped-def]
             return roots(made.system, 3.6 + 1e-6 * next(counter))
@@ -175,14 +179,14 @@ def integrators_table() -> None:
         return 0.1 * math.sin(0.5 * t)
 
     def exact(h: float) -> Array:
-        x, m = slender_body.initial(p, FLOATS)
+        x, m = slender_body.SLENDER_BODY.initial(p, FLOATS)
         rows = []
         for k in range(round(stop / h)):
             t = k * h
             a, b, da, db = craft(t), craft(t + h), 0.05 * math.cos(0.5 * t), 0.05 * math.cos(0.5 * (t + h))
             slope = (b - a) / h
             w = (a, da, (3.0 * slope - 2.0 * da - db) / h, (da + db - 2.0 * slope) / h**2)
-            x = slender_body.advance(t, h, x, m, [(speed(t), 1.5 / stop, 0.0, 0.0), w], p, FLOATS)
+            x = STEP(t, h, x, m, [(speed(t), 1.5 / stop, 0.0, 0.0), w], p, FLOATS)
             if abs((t + h) / 0.4 - round((t + h) / 0.4)) < 1e-9:
                 rows.append(made.points[:2] @ np.array(x[: made.n]))
         return np.array(rows)
