@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import uuid
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -34,26 +35,34 @@ NAMESPACE = uuid.UUID("6d0cf5bc-7c1e-5f52-9c55-3a1fd5f3f6a1")
 def staged_modules(unit_name: str) -> dict[str, bytes]:
     """Text of every module that the unit's slave imports, by path inside the private package."""
     todo = [f"fmus.{unit_name}", "fmus.python.slave"]
-    found: dict[str, bytes] = {"__init__.py": b""}
+    staged: dict[str, bytes] = {"__init__.py": b""}
     while todo:
         module = todo.pop()
         file = _file(module)
         name = "/".join(module.split(".")) + ("/__init__.py" if file.name == "__init__.py" else ".py")
-        if name in found:
+        if name in staged:
             continue
-        found[name] = text = file.read_bytes()
+        staged[name] = text = file.read_bytes()
         package = module if file.name == "__init__.py" else module.rpartition(".")[0]
         if module != package:
             todo.append(package)
         elif "." in package:
             todo.append(package.rpartition(".")[0])
-        for node in ast.walk(ast.parse(text)):
+        for node in _executed(ast.parse(text)):
             if isinstance(node, ast.ImportFrom) and node.level:
                 parts = package.split(".")
                 base = ".".join([*parts[: len(parts) - node.level + 1], *(node.module or "").split(".")]).strip(".")
                 members = [f"{base}.{alias.name}" for alias in node.names]
                 todo += [member for member in members if _file(member).is_file()] or [base]
-    return found
+    return staged
+
+
+def _executed(node: ast.AST) -> Iterator[ast.AST]:
+    """``node`` and all below it but what stands there for type checkers alone."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
+            yield from _executed(child)
 
 
 def _file(module: str) -> Path:
@@ -88,13 +97,13 @@ def contents(unit: Unit) -> dict[str, bytes]:
 def _binaries(identifier: str) -> dict[str, bytes]:
     """PythonFMU's bridge for every platform it ships."""
     files = metadata.files("pythonfmu") or []
-    found = {}
+    libraries = {}
     for file in files:
         if file.suffix in (".so", ".dll", ".dylib") and "binaries" in file.parts:
-            found[f"binaries/{file.parent.name}/{identifier}{file.suffix}"] = Path(str(file.locate())).read_bytes()
-    if not found:
+            libraries[f"binaries/{file.parent.name}/{identifier}{file.suffix}"] = Path(str(file.locate())).read_bytes()
+    if not libraries:
         raise FileNotFoundError("PythonFMU is installed without its binaries: reinstall pythonfmu 0.7")
-    return found
+    return libraries
 
 
 def build(name: str, directory: Path) -> tuple[Path, bool]:
