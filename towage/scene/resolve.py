@@ -13,18 +13,14 @@ from typing import NamedTuple
 
 import msgspec
 
-from towage.errors import SceneError
+from towage.errors import SceneError, suggest
 from towage.fmus.declare.quantities import QuantityError, base_expression, dimension, parse_quantity, unit_definition
-from towage.scene.scene import Scene, suggest
+from towage.registry import SCHEMES
+from towage.scene.scene import Scene
 from towage.units.description import Description, Value, Variable
 
 Definition = tuple[tuple[int, ...], float, float]
 """Exponents of the base units, factor and offset of a unit."""
-
-
-EXPLICIT = ("extrapolate", "jacobi", "gauss-seidel")
-"""Schemes that a scene may name to say that a loop is only presumed: FMI counts an output whose unit declares no
-dependencies as direct, and units that cannot restore their state have no implicit scheme."""
 
 
 class Connection(NamedTuple):
@@ -82,17 +78,26 @@ class Resolver:
         self.check_checks()
         self.check_instances()
         loops = _loops(connections, self.descriptions)
-        named = "; ".join(map(" -> ".join, loops))
-        scheme, presumed = self.scene.coupling.scheme, not all(map(self.declares, loops))
-        if loops and scheme != "implicit" and not (presumed and scheme in EXPLICIT):
-            note = " (outputs without declared dependencies count as direct)" if presumed else ""
-            hint = "; if one of them has a state all the same, say so by scheme 'extrapolate'" if presumed else ""
-            raise self.fault(
-                f"algebraic loop {named}{note}, which scheme {scheme!r} cannot solve: "
-                f"use scheme 'implicit', or break the loop with a unit that has a state{hint}",
-                "connections",
-            )
+        if loops:
+            self.check_loops(loops)
         return ResolvedScene(self.scene, units, connections, record, tuple(map(" -> ".join, loops)))
+
+    def check_loops(self, loops: list[tuple[str, ...]]) -> None:
+        """Refuse algebraic loops that the scheme cannot solve. FMI counts an output whose unit declares no dependencies
+        as direct, and units that cannot restore their state have no implicit scheme: to name a scheme that never goes
+        back says that such a loop is only presumed."""
+        name, presumed = self.scene.coupling.scheme, not all(map(self.declares, loops))
+        if name != "auto":
+            scheme = SCHEMES.get(name)
+            if scheme.solves_loops or (presumed and not scheme.goes_back):
+                return
+        note = " (outputs without declared dependencies count as direct)" if presumed else ""
+        hint = "; if one of them has a state all the same, say so by scheme 'extrapolate'" if presumed else ""
+        raise self.fault(
+            f"algebraic loop {'; '.join(map(' -> '.join, loops))}{note}, which scheme {name!r} cannot solve: "
+            f"use scheme 'implicit', or break the loop with a unit that has a state{hint}",
+            "connections",
+        )
 
     def fault(self, message: str, key: str) -> SceneError:
         return self.scene.error(message, key)

@@ -8,18 +8,18 @@ file and key.
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
 
 import msgspec
 
-from towage.errors import SceneError, TowageError
+from towage.errors import SceneError, TowageError, suggest
 from towage.fmus.declare.quantities import QuantityError, parse_quantity
+from towage.registry import SCHEMES
 from towage.units.archive import read_description
 from towage.units.description import Value
 
@@ -27,12 +27,10 @@ if TYPE_CHECKING:
     from towage.scene.resolve import ResolvedScene
 
 S = TypeVar("S", bound=msgspec.Struct)
-Scheme = Literal["auto", "hermite", "extrapolate", "implicit", "jacobi", "gauss-seidel"]
 Locate = Callable[[str], Path]
 """From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-_SCHEMES: tuple[str, ...] = get_args(Scheme)
 _ORIGIN = ("file", "source")
 _SETTABLE = ("title", "description", "stop_time", "coupling", "record", "checks")
 _EXCLUSIVE = {"coupling.step": "coupling.tolerance", "coupling.tolerance": "coupling.step"}
@@ -51,7 +49,7 @@ class UnitEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Coupling(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``[coupling]``: exactly one of ``step`` (s) and ``tolerance`` (relative error of the coupling) is given."""
 
-    scheme: Scheme = "auto"
+    scheme: str = "auto"
     step: float | None = None
     tolerance: float | None = None
     events: bool = True
@@ -266,11 +264,6 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def suggest(word: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(word, list(known), n=2, cutoff=0.6)
-    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
-
-
 class _Reader:
     """Turns the tables of a file into structures; knows nothing of the units' variables."""
 
@@ -294,9 +287,10 @@ class _Reader:
         if "coupling" not in top:
             self.fail("missing: give it a step or a tolerance", "coupling")
         scheme = self.table(top["coupling"], "coupling").get("scheme")
-        if isinstance(scheme, str) and scheme not in _SCHEMES:
-            hint = suggest(scheme, _SCHEMES)
-            self.fail(f"unknown scheme {scheme!r}{hint}; expected one of: {', '.join(_SCHEMES)}", "coupling.scheme")
+        if isinstance(scheme, str) and scheme != "auto" and scheme not in SCHEMES:
+            names = ("auto", *SCHEMES.names())
+            hint = suggest(scheme, names)
+            self.fail(f"unknown scheme {scheme!r}{hint}; expected one of: {', '.join(names)}", "coupling.scheme")
         top["coupling"] = self.convert(top["coupling"], Coupling, "coupling")
         top["record"] = self.convert(top.get("record", {}), Record, "record")
         checks = self.table(top.get("checks", {}), "checks")
