@@ -24,10 +24,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from towage.ensemble.engine import DONE, Engine
 from towage.ensemble.rows import columns, composed, refusals, rows
-from towage.errors import RunError, SceneError
+from towage.errors import RunError, SceneError, suggest
 from towage.fmus.declare.unit import BuildError, Unit
 from towage.fmus.python.instance import CallError, Instance, StepError
-from towage.scene.scene import Scene, suggest
+from towage.scene.scene import Scene
 from towage.units.store import locator
 
 Array = NDArray[np.float64]

@@ -9,10 +9,10 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import ArrayLike, NDArray
 
-from towage.errors import SceneError
+from towage.errors import SceneError, suggest
 from towage.fmus.declare.unit import Unit
 from towage.scene.compose import unit_of
-from towage.scene.scene import Case, Scene, suggest
+from towage.scene.scene import Case, Scene
 from towage.units.store import locator
 
 if TYPE_CHECKING:

@@ -18,10 +18,12 @@ from towage.checks import simpler as judge_slender
 from towage.checks import step as checks
 from towage.checks import verdict as judge
 from towage.errors import RunError, SceneError
+from towage.master.auto import choose
 from towage.master.recorder import Recorder, read_events, read_journal
-from towage.master.schemes import ORDERS
+from towage.master.schemes import Scheme
 from towage.master.simulation import Run, Settings, simulate
 from towage.master.system import System
+from towage.registry import SCHEMES
 from towage.result.result import Check, Result, Verdict
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import ResolvedScene
@@ -56,7 +58,7 @@ class Master:
         system = self._system(self.resolved)
         try:
             settings, before = self._settings(system)
-            result = self._result(settings.scheme, before)
+            result = self._result(settings.scheme.name, before)
             recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs], journal)
             stop = settings.stop_time
             simpler = self.scene.checks.simpler
@@ -134,7 +136,8 @@ class Master:
 
     def _system(self, resolved: ResolvedScene) -> System:
         """The units, initialised. Branches are frozen over a step where the master will look after events."""
-        held = ORDERS.get(self.scene.coupling.scheme) == 1
+        name = self.scene.coupling.scheme
+        held = name != "auto" and SCHEMES.get(name).holds
         system = System(resolved, cache() / "unpacked", self.scene.coupling.events and not held, held)
         try:
             system.start(0.0, self.scene.stop_time)
@@ -148,22 +151,24 @@ class Master:
         coupling, stop = self.scene.coupling, self.scene.stop_time
         found = checks.loops(system)
         step = coupling.step
-        scheme: str = coupling.scheme
+        scheme: Scheme
         before: list[Check] = []
-        if scheme == "auto":
-            scheme, why = checks.choose_scheme(system, found, step or 0.0)
-            before.append(Check("scheme", "info", None, None, f"auto: {scheme}, because {why}"))
-        elif scheme in ("hermite", "implicit") and not system.can_roll_back:
+        if coupling.scheme == "auto":
+            scheme, why = choose(system, found, step or 0.0)
+            before.append(Check("scheme", "info", None, None, f"auto: {scheme.name}, because {why}"))
+        else:
+            scheme = SCHEMES.get(coupling.scheme)
+        if scheme.goes_back and not system.can_roll_back:
             stuck = ", ".join(u.name for u in system.units if not u.can_roll_back)
             raise SceneError(
-                f"{scheme} needs units that save and restore their state, {stuck} cannot: use 'extrapolate'",
+                f"{scheme.name} needs units that save and restore their state, {stuck} cannot: use 'extrapolate'",
                 file=self.scene.file, key="coupling.scheme",
             )  # fmt: skip
         if step is None and not system.can_roll_back:
             raise SceneError("error control needs units that save and restore their state: give a step instead",
                              file=self.scene.file, key="coupling.tolerance")  # fmt: skip
-        if step is None and ORDERS[scheme] == 1:
-            raise SceneError(f"{scheme} has no error estimate to control the step by: give a step instead",
+        if step is None and scheme.holds:
+            raise SceneError(f"{scheme.name} has no error estimate to control the step by: give a step instead",
                              file=self.scene.file, key="coupling.tolerance")  # fmt: skip
         max_step = step or min(stop / 50.0, checks.largest_step(found, scheme))
         before += checks.before_run(system, found, scheme, max_step)
@@ -225,7 +230,7 @@ class Master:
             "tolerance": None if settings.tolerance is None else 10.0 * settings.tolerance,
             "max_step": 2.0 * settings.max_step,
         }
-        order = ORDERS[settings.scheme] if settings.step else 0.0
+        order = settings.scheme.order if settings.step else 0.0
         if settings.step:
             doubled["record_interval"] = max(settings.record_interval, 2.0 * settings.step)
         coarse = Settings(**{**vars(settings), **doubled})

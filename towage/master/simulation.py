@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from towage.errors import RunError
 from towage.master.recorder import Recorder
-from towage.master.schemes import ORDERS, SCHEMES, Scheme
+from towage.master.schemes import Scheme
 from towage.master.system import System
 from towage.result.result import Event
 from towage.units.fmu import StepRefused
@@ -32,7 +32,7 @@ MAX_HALVINGS = 40
 class Settings:
     """How to couple. Either ``step`` (s) or ``tolerance`` (relative error per step). ``max_step`` bounds the latter."""
 
-    scheme: str
+    scheme: Scheme
     step: float | None
     tolerance: float | None
     max_step: float
@@ -88,14 +88,12 @@ def simulate(
 def _loop(
     system: System, settings: Settings, recorder: Recorder, run: Run, report: Callable[[float], None] | None
 ) -> None:
-    scheme = SCHEMES[settings.scheme]
+    scheme = settings.scheme
     units = system.units
-    smooth = ORDERS[settings.scheme] > 1
+    smooth = not scheme.holds
     locate = settings.events and smooth and system.can_roll_back and bool(system.indicators)
     clocks = smooth and bool(system.clocks)
-    keep = system.can_roll_back and (
-        locate or settings.tolerance is not None or settings.scheme in ("hermite", "implicit")
-    )
+    keep = system.can_roll_back and (locate or settings.tolerance is not None or scheme.goes_back)
     stop, tolerance = settings.stop_time, settings.tolerance
     grid = settings.step if settings.step is not None else settings.max_step
     control = settings.max_step if tolerance is None else min(settings.max_step, 1e-3 * stop)
@@ -157,7 +155,7 @@ def _attempt(system: System, scheme: Scheme, time: float, step: float, keep: boo
     """Try the step, and shorter ones if a unit refuses: (error estimate, step that was done)."""
     for _ in range(MAX_HALVINGS):
         try:
-            return scheme(system, time, step), step
+            return scheme.step(system, time, step), step
         except StepRefused as refusal:
             if not keep:
                 raise RunError(f"a unit refused the step of {step:g} s ({refusal}) and not all units can go back "

@@ -7,7 +7,7 @@ between two units of the same dimension. Nothing of the FMUs is run. `described`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,9 +20,7 @@ from towage.scene.scene import Scene
 from towage.scene.values import Names, Values, with_article
 from towage.units.archive import read_description
 from towage.units.description import Description, Value
-
-Locate = Callable[[str], Path]
-"""From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
+from towage.units.store import Locate
 
 
 class Connection(NamedTuple):
