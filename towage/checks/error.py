@@ -17,7 +17,7 @@ RUN = "error estimate"
 
 def variants(scene: Scene) -> list[Variant]:
     """The same run with longer steps, unless the scene does without the estimate."""
-    return [Variant(RUN, None, 2.0)] if scene.coupling.error_estimate else []
+    return [Variant(RUN, None, coarse=True)] if scene.coupling.error_estimate else []
 
 
 def after(run: Finished) -> list[Finding]:

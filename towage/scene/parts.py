@@ -68,9 +68,9 @@ class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Variant(NamedTuple):
-    """Another run of a scene, to compare with: ``name`` as its progress is told; the scene, None for the same one; by how
-    much its communication step is longer (its tolerance: that to the power of log2(10))."""
+    """Another run of a scene, to compare with: ``name`` as its progress is told; the scene, None for the same one;
+    ``coarse``: with doubled communication step, or tenfold tolerance."""
 
     name: str
     scene: Scene | None
-    coarser: float = 1.0
+    coarse: bool = False
