@@ -28,6 +28,7 @@ from towage.result.result import Check, Result, Verdict
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene
+from towage.units.fmu import Unit, UnitFactory
 from towage.units.store import cache
 
 Array = NDArray[np.float64]
@@ -45,8 +46,14 @@ class Master:
     """
 
     def __init__(
-        self, scene: Scene, case: str | None = None, fmus: Path | None = None, flavour: Flavour = "python"
+        self,
+        scene: Scene,
+        case: str | None = None,
+        fmus: Path | None = None,
+        flavour: Flavour = "python",
+        make_unit: UnitFactory = Unit,
     ) -> None:
+        self._make_unit = make_unit
         self.case = case or (scene.cases[0].name if len(scene.cases) == 1 else "")
         self.scene = msgspec.structs.replace(scene.case(case) if case else scene, cases=())
         self._resolve = partial(resolve, fmus=fmus, flavour=flavour)
@@ -138,7 +145,7 @@ class Master:
         """The units, initialised. Branches are frozen over a step where the master will look after events."""
         name = self.scene.coupling.scheme
         held = name != "auto" and SCHEMES.get(name).holds
-        system = System(resolved, cache() / "unpacked", self.scene.coupling.events and not held, held)
+        system = System(resolved, cache() / "unpacked", self.scene.coupling.events and not held, held, self._make_unit)
         try:
             system.start(0.0, self.scene.stop_time)
         except BaseException:

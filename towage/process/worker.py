@@ -163,8 +163,8 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
         from towage.master.master import Master
 
         report(0.0, "initialisation")
-        Mark(request.directory / "mark").watch()
-        master = Master(request.scene, request.case, request.fmus, request.flavour)
+        mark = Mark(request.directory / "mark")
+        master = Master(request.scene, request.case, request.fmus, request.flavour, mark.unit)
         if request.task == "check":
             return {"done": [vars(check) for check in master.check()]}
         master.run(report, request.directory / "journal").save_npz(request.directory / "result.npz")
