@@ -194,10 +194,11 @@ def step_cost(steps: int = 500, size: float = 0.01) -> None:
             calls = []
             for i, unit in enumerate(system.units):
                 buffers = [(c_double * len(row[i]))(*row[i]) for row in sent]
-                references, count, _ = unit._inputs or (0, 0, 0)
+                references, count, _ = unit.wiring.set_values or (0, 0, 0)
+                instance = unit.instance
                 calls.append((
-                    unit._component, unit._set_real, references, count, [addressof(b) for b in buffers], buffers,
-                    unit._do_step, unit._get_real, unit._outputs,
+                    instance.component, instance.set_real, references, count, [addressof(b) for b in buffers], buffers,
+                    instance.do_step, instance.get_real, unit.wiring.get_values,
                 ))  # fmt: skip
             begin = time.perf_counter()
             for k in range(steps):

@@ -100,7 +100,9 @@ def test_a_refused_derivative_ends_the_run(library: Path) -> None:
     found = system(library, True, 1)
     try:
         unit = found.units[1]
-        unit._taken = unit._call(["u"], unit.input_buffer, 1, [2])  # an order that the unit does not take
+        wiring = unit.wiring
+        wiring.set_derivatives = wiring.arguments(["u"], unit.input_buffer, 1, [2])  # an order that the unit does not take
+        unit.advance = unit._stepper()
         with pytest.raises(RunError, match=r"first, t = 0 s: setting input derivatives returned Error"):
             ends(found)
     finally:

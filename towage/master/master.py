@@ -22,6 +22,7 @@ from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene, one_case
+from towage.units.fmu import Unit, UnitFactory
 
 Array = NDArray[np.float64]
 Columns = dict[str, Array]
@@ -40,27 +41,39 @@ class Master:
     """
 
     def __init__(
-        self, scene: Scene, case: str | None = None, fmus: Path | None = None, flavour: Flavour = "auto"
+        self,
+        scene: Scene,
+        case: str | None = None,
+        fmus: Path | None = None,
+        flavour: Flavour = "auto",
+        make_unit: UnitFactory = Unit,
     ) -> None:
+        self._make_unit = make_unit
         self.resolved = resolve(one_case(scene, case), fmus, flavour)
         self.scene = self.resolved.scene
 
     def run(self, report: Report | None = None, journal: Path | None = None) -> Result:
         """`run_resolved` of the scene."""
-        return run_resolved(self.resolved, report, journal)
+        return run_resolved(self.resolved, report, journal, self._make_unit)
 
     def check(self) -> list[Finding]:
         """`check_resolved` of the scene."""
-        return check_resolved(self.resolved)
+        return check_resolved(self.resolved, self._make_unit)
 
 
-def run_resolved(resolved: ResolvedScene, report: Report | None = None, journal: Path | None = None) -> Result:
-    """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk.
+def run_resolved(
+    resolved: ResolvedScene,
+    report: Report | None = None,
+    journal: Path | None = None,
+    make_unit: UnitFactory = Unit,
+) -> Result:
+    """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk;
+    ``make_unit`` makes the units.
 
     Raises `SceneError` for a scene that the checks before the run refuse. A run that fails on its way comes back as a
     result with status "failed" and what was recorded until then.
     """
-    system = started(resolved)
+    system = started(resolved, make_unit)
     try:
         planned = plan(resolved, system)
         refuse(planned.findings, resolved)
@@ -71,7 +84,7 @@ def run_resolved(resolved: ResolvedScene, report: Report | None = None, journal:
         columns = _coupled_run(resolved, system, settings, result, stages, journal)
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
-            others = OtherRuns(resolved, settings, stages)
+            others = OtherRuns(resolved, settings, stages, make_unit)
             _judge(Finished(resolved, system, order, result, columns, others.columns))
             stages.done()
         return result
@@ -79,9 +92,9 @@ def run_resolved(resolved: ResolvedScene, report: Report | None = None, journal:
         system.close()
 
 
-def check_resolved(resolved: ResolvedScene) -> list[Finding]:
+def check_resolved(resolved: ResolvedScene, make_unit: UnitFactory = Unit) -> list[Finding]:
     """What the checks say before a run, without running. Raises `SceneError` and `RunError`."""
-    system = started(resolved)
+    system = started(resolved, make_unit)
     try:
         planned = plan(resolved, system)
         findings = planned.findings
@@ -107,10 +120,13 @@ def salvaged(resolved: ResolvedScene, journal: Path | None, message: str) -> Res
 class OtherRuns:
     """The other runs that checks ask for. Each is made when it is first asked for, and once, whoever asks."""
 
-    def __init__(self, resolved: ResolvedScene, settings: Settings, stages: Stages) -> None:
+    def __init__(
+        self, resolved: ResolvedScene, settings: Settings, stages: Stages, make_unit: UnitFactory
+    ) -> None:
         self._resolved = resolved
         self._settings = settings
         self._stages = stages
+        self._make_unit = make_unit
         self._variants = {variant.name: variant for variant in resolved.variants}
         self._known: list[tuple[ResolvedScene, bool, tuple[Array, Columns] | RunError]] = []
 
@@ -128,7 +144,7 @@ class OtherRuns:
 
     def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> tuple[Array, Columns] | RunError:
         try:
-            system = started(scene, self._resolved)
+            system = started(scene, self._make_unit, self._resolved)
             try:
                 recorder = _recorder(system, None)
                 simulate(system, settings, recorder, self._stages.progress(name, settings.stop_time))

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from towage.checks.check import Start, checks_of
 from towage.checks.step import largest_step, loops
-from towage.errors import SceneError
 from towage.master.auto import choose
 from towage.master.schemes import Scheme
 from towage.master.simulation import Settings
@@ -14,6 +13,7 @@ from towage.master.system import System
 from towage.registry import SCHEMES
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
+from towage.units.fmu import UnitFactory
 from towage.units.store import cache
 
 FEWEST_STEPS = 50
@@ -30,12 +30,12 @@ class Plan(NamedTuple):
     findings: list[Finding]
 
 
-def started(resolved: ResolvedScene, main: ResolvedScene | None = None) -> System:
+def started(resolved: ResolvedScene, make_unit: UnitFactory, main: ResolvedScene | None = None) -> System:
     """The units of a scene, initialised, coupled as ``main`` (default: the same). Branches are frozen over a step where
     the master looks after events. Raises `RunError` and `FmuError`; the caller closes the system."""
     scene = (main or resolved).scene
     held = scene.coupling.scheme != "auto" and SCHEMES.get(scene.coupling.scheme).holds
-    system = System(resolved, cache() / "unpacked", scene.coupling.events and not held, held)
+    system = System(resolved, cache() / "unpacked", scene.coupling.events and not held, held, make_unit)
     try:
         system.start(0.0, scene.stop_time)
     except BaseException:
@@ -86,4 +86,4 @@ def refuse(findings: list[Finding], resolved: ResolvedScene) -> None:
     """Raise `SceneError` for a run that would be worth nothing."""
     for finding in findings:
         if finding.level == "refused":
-            raise SceneError(finding.message, file=resolved.scene.file, key="coupling.step")
+            raise resolved.scene.error(finding.message, "coupling.step")

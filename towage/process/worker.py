@@ -144,10 +144,11 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
         from towage.master.master import check_resolved, run_resolved
 
         report(0.0, "initialisation")
-        Mark(request.directory / "mark").watch()
+        make_unit = Mark(request.directory / "mark").unit
         if request.task == "check":
-            return {"done": [vars(finding) for finding in check_resolved(request.resolved)]}
-        run_resolved(request.resolved, report, request.directory / "journal").save_npz(request.directory / "result.npz")
+            return {"done": [vars(finding) for finding in check_resolved(request.resolved, make_unit)]}
+        result = run_resolved(request.resolved, report, request.directory / "journal", make_unit)
+        result.save_npz(request.directory / "result.npz")
         return {"done": None}
     except errors.TowageError as error:
         fields = {k: v for k, v in vars(error).items() if k in ("file", "key", "entry", "unit", "variable", "time")}
