@@ -1,9 +1,8 @@
 """The points of a sweep as members of one ensemble: thousands a second in compiled code, for scenes that compose.
 
-    from towage.sweep_ensemble import by_ensemble
+    from towage.sweeps.sweep import sweep
 
-    sweep = Sweep(scene, grid(scene, ["ship.heave_amplitude=2 ft:6 ft:10001"]))
-    table = by_ensemble(scene, sweep.design, sweep.measures())
+    table = sweep("slack", "ship.heave_amplitude=2 ft:6 ft:10001", engine="ensemble")
 
 The table has the columns of `row` that an ensemble can give: extremes and margins. It has no comparison with a second
 run, and so no SDOF verdict; no counts of events, attractors or estimates of the coupling error. Differences from runs of
@@ -25,8 +24,6 @@ from towage.scene.scene import Scene
 from towage.sweeps.design import Array, Design
 from towage.sweeps.table import Table
 
-SAMPLE = 3
-"""Members that are computed again by default: each costs what a run does."""
 _MARGIN = "margin:"
 
 
@@ -34,7 +31,7 @@ def by_ensemble(
     scene: Scene,
     design: Design,
     units: Mapping[str, str],
-    sample: int = SAMPLE,
+    sample: int,
     seed: int = 0,
     threads: int | None = None,
 ) -> Table:
@@ -49,9 +46,8 @@ def by_ensemble(
             f"{foreign} is of the master, which an ensemble does without: vary parameters of units, or take --engine runs",
             file=scene.file, key="--vary",
         )  # fmt: skip
-    options = {"samples": sample, "seed": seed} | ({"threads": threads} if threads else {})
     try:
-        columns, members = measures(scene, design.targets, design.points, **options)
+        columns, members = measures(scene, design.targets, design.points, sample, seed, threads)
     except BuildError as error:
         raise SceneError(f"{error}; or take --engine runs", file=scene.file, key="--engine ensemble") from error
     status = tuple(
