@@ -28,6 +28,7 @@ from towage.master.simulation import Settings, simulate
 from towage.master.system import System
 from towage.models.heave import orbits
 from towage.registry import SCHEMES
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.units.store import locator
 from towage.verify.cradle import dimensionless_system
@@ -118,7 +119,7 @@ def growth(scheme: str, ratio: float, product: float, steps: int = 400) -> float
     size = product / frequency
     settings = Settings(SCHEMES.get(scheme), size, None, size, False, size, scene.stop_time)
     with tempfile.TemporaryDirectory() as directory:
-        system = System(scene.resolve(locator()), Path(directory))
+        system = System(described(scene, locator()), Path(directory))
         system.start(0.0, scene.stop_time)
         recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
         try:
@@ -160,7 +161,7 @@ def step_cost(steps: int = 500, size: float = 0.01) -> None:
         cradle={"integration_tolerance": 1e-8},
     )  # fmt: skip
     scene = replace(scene, record=replace(scene.record, variables=("ship.heave", "line.tension", "cradle.heave")))
-    resolved = scene.resolve(locator())
+    resolved = described(scene, locator())
     with tempfile.TemporaryDirectory() as directory:
 
         def started() -> System:

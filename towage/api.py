@@ -12,7 +12,8 @@ from towage.master.master import run_resolved
 from towage.master.stages import Report
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.scene import Scene, one_case
+from towage.scene.scene import Scene
+from towage.scene.select import one_case
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -42,8 +43,7 @@ def run(
     `SceneError` for a scene that is refused, or has several cases and none is chosen (`run_all` does them all), `FmuError`
     for an FMU that is refused or cannot be built, and `RunError` where a unit fails before the first step.
     """
-    loaded = _loaded(scene, set)
-    return _run(one_case(loaded, case), fmus, flavour, timeout, isolate, report)
+    return _run(one_case(scene, case, set), fmus, flavour, timeout, isolate, report)
 
 
 def run_all(
@@ -57,14 +57,10 @@ def run_all(
     report: Report | None = None,
 ) -> list[Result]:
     """Run every case of a scene, in their order; the scene itself if it has none. Arguments and errors as those of `run`."""
-    loaded = _loaded(scene, set)
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    loaded = loaded.with_values(set) if set else loaded
     scenes = [loaded.case(case.name) for case in loaded.cases] or [loaded]
     return [_run(each, fmus, flavour, timeout, isolate, report) for each in scenes]
-
-
-def _loaded(scene: Scene | str | Path, values: Mapping[str, Any]) -> Scene:
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    return loaded.with_values(values) if values else loaded
 
 
 def _run(

@@ -48,6 +48,54 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_one_scene(parser: argparse.ArgumentParser) -> None:
+    """The scene with at most one of its cases, its values, and where its units are."""
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("--case", metavar="NAME", help="with the values of this case (default: the scene's own)")
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        type=setting,
+        default=[],
+        help="a value in place of the scene's and its case's, as in towage run (may be repeated)",
+    )
+    add_fmus(parser)
+
+
+def one_scene(arguments: argparse.Namespace) -> Scene:
+    """The scene of `add_one_scene`, without cases. Raises `SceneError`."""
+    from towage.scene.select import select
+
+    return select(arguments.scene, arguments.case, dict(arguments.set))
+
+
+def directory(out: Path | None, scene: Scene, suffix: str = "") -> Path:
+    """``out``, or out/<scene><suffix>; made if it is missing. Raises `TowageError`."""
+    from towage.errors import TowageError
+
+    place = out or Path("out", f"{scene.file.stem if scene.file else 'scene'}{suffix}")
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TowageError(f"cannot make the directory {place}: {error.strerror}") from error
+    return place
+
+
+def positive(text: str) -> int:
+    """A whole number above 0."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number above 0")
+    return int(text)
+
+
+def points(text: str) -> int:
+    """A number of points, 2 to 1000."""
+    if not text.isdecimal() or not 2 <= int(text) <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 2 to 1000")
+    return int(text)
+
+
 def add_fmus(parser: argparse.ArgumentParser) -> None:
     """Where the shipped units' FMUs are."""
     parser.add_argument(

@@ -21,7 +21,8 @@ from towage.result.records import Finding, Verdict
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import ResolvedScene
-from towage.scene.scene import Scene, one_case
+from towage.scene.scene import Scene
+from towage.scene.select import one_case
 from towage.units.fmu import Unit, UnitFactory
 
 Array = NDArray[np.float64]

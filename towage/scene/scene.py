@@ -85,7 +85,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain tables, as `from_dict` takes them; every key is there, None where it has no value."""
         data = {name: msgspec.to_builtins(getattr(self, name)) for name in _FIELDS}
-        data["checks"] = {**data["checks"].pop("sections"), **data["checks"]}
+        tables = {name: None for name in CHECKS.own if CHECKS.get(name).section}
+        data["checks"] = {**tables, **data["checks"].pop("sections"), **data["checks"]}
         return data
 
     def case(self, name: str) -> Scene:
@@ -159,17 +160,6 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
     def error(self, message: str, key: str) -> SceneError:
         """A fault of this scene."""
         return SceneError(message, file=self.file, key=key)
-
-
-def one_case(scene: Scene, case: str | None = None) -> Scene:
-    """The scene of one case: the named one, the only one, or the scene itself if it has none. Raises `SceneError` that
-    lists the cases where there are several and none is chosen."""
-    if case:
-        return scene.case(case)
-    if len(scene.cases) > 1:
-        names = ", ".join(repr(each.name) for each in scene.cases)
-        raise scene.error(f"there are several cases: choose one of {names}, or run them all by run_all", "cases")
-    return scene.case(scene.cases[0].name) if scene.cases else scene
 
 
 def available_scenes() -> tuple[SceneSummary, ...]:
