@@ -27,9 +27,10 @@ from towage.fmus.python import build as python_fmu
 from towage.master.master import Master
 from towage.scene.flavour import Flavour
 from towage.scene.scene import Scene
-from towage.units import fmu
 from towage.units.archive import extract, read_description
 from towage.units.description import Description
+from towage.units.fmu import Unit
+from towage.units.wiring import Wanted
 
 STEP = 0.01
 BATCH = 5
@@ -86,20 +87,17 @@ def fmpy_methods(description: Description, directory: Path, count: int) -> float
 
 def raw_calls(description: Description, directory: Path, by_function: bool, count: int) -> float:
     """us per step of the master's unit, with derivatives as variables or through the standard's function."""
-    before, fmu.BY_FUNCTION = fmu.BY_FUNCTION, by_function
-    try:
-        unit = fmu.Unit("it", description, directory, list(TENSION), OUTPUTS, OUTPUTS)
-    finally:
-        fmu.BY_FUNCTION = before
+    wanted = Wanted(list(TENSION), OUTPUTS, OUTPUTS, by_function=by_function)
+    unit = Unit("it", description, directory, wanted)
     unit.start(START, 0.0, 1e9)
     ((name, (a, w)),) = TENSION.items()
-    entry, buffer, k = unit.inputs[name], unit.input_buffer, 0
+    place, buffer, k = unit.inputs[name], unit.input_buffer, 0
 
     def step() -> None:
         nonlocal k
         t = k * STEP
-        s, c, d = a * math.sin(w * t), a * w * math.cos(w * t), entry.derivatives
-        buffer[entry.slot], buffer[d], buffer[d + 1], buffer[d + 2] = s, c, -w * w * s, -w * w * c
+        s, c, d = a * math.sin(w * t), a * w * math.cos(w * t), place.derivatives
+        buffer[place.slot], buffer[d], buffer[d + 1], buffer[d + 2] = s, c, -w * w * s, -w * w * c
         unit.advance(t, STEP)
         k += 1
 

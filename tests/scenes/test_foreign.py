@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from towage.errors import RunError
-from towage.master.schemes import SCHEMES
+from towage.master.schemes import EXTRAPOLATE
 from towage.master.system import System
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
@@ -63,7 +63,7 @@ def system(library: Path, inputs: bool, outputs: int) -> System:
 def ends(found: System) -> tuple[float, float]:
     """Velocity of the ship at the start and end of the first step, which is done."""
     before = found.signals[0].value
-    SCHEMES["extrapolate"](found, 0.0, STEP)
+    EXTRAPOLATE.step(found, 0.0, STEP)
     return before, found.signals[0].end_value
 
 
@@ -100,7 +100,9 @@ def test_a_refused_derivative_ends_the_run(library: Path) -> None:
     found = system(library, True, 1)
     try:
         unit = found.units[1]
-        unit._taken = unit._call(["u"], unit.input_buffer, 1, [2])  # an order that the unit does not take
+        wiring = unit.wiring
+        wiring.set_derivatives = wiring.arguments(["u"], unit.input_buffer, 1, [2])  # an order that the unit does not take
+        unit.advance = unit._stepper()
         with pytest.raises(RunError, match=r"first, t = 0 s: setting input derivatives returned Error"):
             ends(found)
     finally:

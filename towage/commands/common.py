@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
+    from towage.scene.resolve import ResolvedScene
     from towage.scene.scene import Scene
-
-EXCLUSIVE = {"coupling.step": "coupling.tolerance", "coupling.tolerance": "coupling.step"}
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -128,57 +127,34 @@ def seconds(text: str) -> float:
     return value
 
 
-def load(arguments: argparse.Namespace) -> tuple[Scene, list[str | None]]:
-    """The scene with the values of ``--set``, and the names of the cases to do (None: the scene itself).
+def load(arguments: argparse.Namespace) -> tuple[Scene, list[Scene]]:
+    """The scene with the values of ``--set``, and the scenes to run: each wanted case, or the scene itself.
 
-    Every case is checked against the descriptions of the units, and the FMUs that are wanted are built. Raises
-    `SceneError` and `FmuError`.
+    All cases are checked against the descriptions of the units. Raises `SceneError` and `FmuError`.
     """
-    from towage.scene.flavour import resolve
+    from towage.scene.resolve import check_all
     from towage.scene.scene import Scene
     from towage.units.store import locator
 
     scene = Scene.load(arguments.scene)
     if arguments.set:
-        scene = override(scene, dict(arguments.set))
-    names: list[str | None] = list(dict.fromkeys(arguments.case or [case.name for case in scene.cases]))
-    for name in names:
-        scene.case(name or "")
-    scene.resolve(locator(arguments.fmus))
-    for name in names or [None]:  # here, where no timeout runs; the runs find them in the cache
-        for variant in _variants(scene.case(name) if name else scene):
-            resolve(variant, arguments.fmus, arguments.flavour, _tell)
-    return scene, names or [None]
+        scene = scene.with_values(dict(arguments.set), "--set")
+    names = list(dict.fromkeys(arguments.case or [case.name for case in scene.cases]))
+    chosen = [scene.case(name) for name in names] or [scene]
+    check_all(scene, locator(arguments.fmus))
+    return scene, chosen
 
 
-def _variants(scene: Scene) -> list[Scene]:
-    """What a run of the scene runs."""
-    from msgspec.structs import replace
+def resolved(chosen: list[Scene], arguments: argparse.Namespace) -> list[ResolvedScene]:
+    """The scenes with the FMUs that are wanted, which are built here, where no timeout runs. Raises `SceneError` and
+    `FmuError`."""
+    from towage.scene.flavour import resolve
 
-    one = replace(scene, cases=())
-    return [one, one.simpler()] if one.checks.simpler else [one]
+    return [resolve(scene, arguments.fmus, arguments.flavour, _tell) for scene in chosen]
 
 
 def _tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
-
-
-def override(scene: Scene, values: dict[str, Any]) -> Scene:
-    """The scene with ``values``, which prevail over those of its cases; its source says so. Raises `SceneError`."""
-    from msgspec.structs import replace
-
-    from towage.errors import SceneError
-    from towage.scene.scene import Case
-
-    option = "--set"
-    try:
-        changed = replace(scene, cases=(Case(option, values),)).case(option)
-    except SceneError as error:
-        raise scene.error(str(error.args[0]), option) from None
-    taken = {*values, *(EXCLUSIVE[key] for key in values if key in EXCLUSIVE)}
-    cases = tuple(replace(c, set={k: v for k, v in c.set.items() if k not in taken}) for c in scene.cases)
-    note = "".join(f"# {option} {key}={value}\n" for key, value in values.items())
-    return replace(changed, cases=cases, source=f"{scene.source.rstrip()}\n\n{note}" if scene.source else "")
 
 
 @contextlib.contextmanager

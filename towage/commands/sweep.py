@@ -152,9 +152,8 @@ def _check_options(arguments: argparse.Namespace) -> None:
 
 def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
     """(variable, value in its unit). Raises `SceneError`."""
-    from towage.errors import SceneError
+    from towage.errors import SceneError, suggest
     from towage.fmus.declare.quantities import QuantityError, parse_quantity
-    from towage.scene.scene import suggest
 
     name, separator, value = (part.strip() for part in text.partition("="))
     if not separator or name not in recorded:

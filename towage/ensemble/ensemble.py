@@ -24,10 +24,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from towage.ensemble.engine import DONE, Engine
 from towage.ensemble.rows import composed, equally_many, refusals, rows
-from towage.errors import RunError, SceneError
+from towage.errors import RunError, SceneError, suggest
 from towage.fmus.declare.unit import BuildError, Unit
 from towage.fmus.python.instance import CallError, Instance, StepError
-from towage.scene.scene import Scene, suggest
+from towage.scene.resolve import described
+from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.units.store import locator
 
@@ -101,7 +102,7 @@ class Ensemble:
         self.unit = unit
         self.varied = equally_many(varied)
         if self.scene and observed is None:
-            observed = [f"{unit}.{name}" for unit, name in self.scene.resolve(locator()).record]
+            observed = [f"{unit}.{name}" for unit, name in described(self.scene, locator()).record]
         self.observed = tuple(observed or (v.name for v in unit.outputs if v.causality == "output"))
         for name in self.observed:
             if name not in {v.name for v in unit.observed}:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from towage.errors import SceneError
+from towage.errors import SceneError, suggest
 from towage.fmus.declare.unit import Unit
 from towage.scene.compose import unit_of
-from towage.scene.scene import Scene, suggest
-from towage.scene.select import with_values
+from towage.scene.resolve import described
+from towage.scene.scene import Scene
 from towage.units.store import locator
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 def composed(scene: Scene) -> Unit:
     """The scene, which has no cases, as one unit. Raises `SceneError` where it cannot be composed."""
-    return unit_of(scene.resolve(locator()), scene.file.stem if scene.file else "scene")
+    return unit_of(described(scene, locator()), scene.file.stem if scene.file else "scene")
 
 
 def equally_many(varied: Mapping[str, ArrayLike]) -> dict[str, Array]:
@@ -93,6 +93,6 @@ def _followers(scene: Scene, name: str, values: Array) -> dict[str, float]:
 
 def _parameters(scene: Scene, name: str, value: float) -> dict[str, float]:
     """What the scene gives to its units when it sets ``name``."""
-    units = with_values(scene, {name: value}, "ensemble").resolve(locator()).units
+    units = described(scene.setting({name: value}, "ensemble"), locator()).units
     given = {f"{unit}.{parameter}": x for unit, entry in units.items() for parameter, x in entry.parameters.items()}
     return {parameter: x for parameter, x in given.items() if isinstance(x, float)}

@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from towage.checks.towing import Gain, SceneTow, gains, spring_check, tolerance_of, tows
 from towage.errors import SceneError
 from towage.process.files import atomic_write
-from towage.result.result import Check
+from towage.result.records import Finding
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.scene.select import select
 from towage.units.store import locator
@@ -39,7 +40,7 @@ class Response:
 
     tow: SceneTow
     gains: tuple[Gain, ...]
-    spring: Check | None
+    spring: Finding | None
 
     @property
     def name(self) -> str:
@@ -122,7 +123,7 @@ def response(
         raise SceneError("frequencies: expected finite numbers of Hz, above 0")
     omegas: Sequence[float] = (2.0 * np.pi * hertz).tolist()
     try:
-        found = tows(chosen.resolve(locator(Path(fmus) if fmus else None)))
+        found = tows(described(chosen, locator(Path(fmus) if fmus else None)))
         limit = tolerance_of(chosen)
         answers = [Response(tow, tuple(gains(tow.tow, list(omegas))), spring_check(tow, limit)) for tow in found]
     except ValueError as error:

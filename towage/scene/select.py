@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import msgspec
+from msgspec.structs import replace
 
-from towage.errors import SceneError
-from towage.scene.scene import Case, Scene
+from towage.scene.scene import Scene
 
 
 def select(scene: Scene | str | Path, case: str | None = None, values: Mapping[str, Any] | None = None) -> Scene:
@@ -20,8 +19,8 @@ def select(scene: Scene | str | Path, case: str | None = None, values: Mapping[s
     of the case. Raises `SceneError` for a case or a value that does not fit.
     """
     given = scene if isinstance(scene, Scene) else Scene.load(scene)
-    chosen = msgspec.structs.replace(given.case(case) if case else given, cases=())
-    return with_values(chosen, values, "set") if values else chosen
+    given = given.with_values(values) if values else given
+    return given.case(case) if case else replace(given, cases=())
 
 
 def one_case(scene: Scene | str | Path, case: str | None = None, values: Mapping[str, Any] | None = None) -> Scene:
@@ -30,14 +29,9 @@ def one_case(scene: Scene | str | Path, case: str | None = None, values: Mapping
     given = scene if isinstance(scene, Scene) else Scene.load(scene)
     if case is None and len(given.cases) > 1:
         names = ", ".join(repr(each.name) for each in given.cases)
-        raise given.error(f"the scene has several cases: choose one of {names}", "cases")
+        raise given.error(
+            f"the scene has several cases: choose one of {names}, as run(scene, {given.cases[0].name!r}), or run them all by "
+            "run_all(scene)",
+            "cases",
+        )
     return select(given, case or (given.cases[0].name if given.cases else None), values)
-
-
-def with_values(scene: Scene, values: Mapping[str, Any], option: str) -> Scene:
-    """The scene with ``values`` set; it has no cases and no text. Raises `SceneError` whose key is ``option``."""
-    try:
-        changed = msgspec.structs.replace(scene, cases=(Case(option, dict(values)),)).case(option)
-    except SceneError as error:
-        raise scene.error(str(error.args[0]), option) from None
-    return msgspec.structs.replace(changed, cases=(), source="")

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.errors import SceneError
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
-from towage.scene.select import with_values
 from towage.units.store import locator
 
 Array = NDArray[np.float64]
@@ -164,14 +164,14 @@ def _end(scene: Scene, target: str, text: str, fmus: Path | None) -> tuple[float
             break
         except ValueError:
             continue
-    changed = with_values(scene, {target: given}, VARY)
+    changed = scene.setting({target: given}, VARY)
     head, _, rest = target.partition(".")
     if head in scene.units:
-        resolved = changed.resolve(locator(fmus)).units[head]
+        resolved = described(changed, locator(fmus)).units[head]
         variable, value = resolved.description.by_name()[rest], resolved.parameters[rest]
         unit, whole = variable.unit or "", variable.type != "Real"
     else:
-        value = msgspec.to_builtins(msgspec.structs.replace(changed, file=None))
+        value = changed.to_dict()
         for key in target.split("."):
             value = value[key]
         unit, whole = "s" if target in _TIMES else "", False

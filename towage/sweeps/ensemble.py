@@ -15,6 +15,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from towage.checks.margins import item_of
 from towage.checks.verdict import verdict
 from towage.ensemble.ensemble import Members, measures
 from towage.errors import SceneError
@@ -66,7 +67,7 @@ def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int
         Margin(name, float(values[k]), np.nan, name not in scene.checks.report_only)
         for name, values in ((name.removeprefix(_MARGIN), v) for name, v in columns.items() if name.startswith(_MARGIN))
     ]
-    judged = verdict(None, found)
+    judged = verdict([item_of(found)])
     if judged.word == "invalid":
         return judged.word, f"{min((m for m in found if m.decides), key=lambda m: m.worst).variable} is negative"
     if _left_out(scene):
@@ -75,8 +76,8 @@ def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int
 
 
 def _left_out(scene: Scene) -> str:
-    checks = {"SDOF comparison": scene.checks.sdof, "comparison with the simpler model": scene.checks.simpler}
-    return " and the ".join(name for name, check in checks.items() if check)
+    checks = {"SDOF comparison": "sdof", "comparison with the simpler model": "simpler"}
+    return " and the ".join(name for name, check in checks.items() if scene.checks.get(check))
 
 
 def _note(scene: Scene, members: Members) -> str:

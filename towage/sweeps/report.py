@@ -63,7 +63,7 @@ def _counted(words: Sequence[str]) -> str:
 
 def _quantities(found: Table, scene: Scene, limits: Sequence[Limit]) -> list[Quantity]:
     """What is worth a diagram: the SDOF error, the worst margin, the largest tension, and what has a limit."""
-    check = scene.checks.sdof
+    check = scene.checks.get("sdof")
     wanted = [
         Quantity("sdof:rms", "SDOF error, rms", check.tolerance if check else None),
         Quantity("worst_margin", "worst margin", 0.0),

@@ -23,6 +23,7 @@ import numpy as np
 from towage import __version__
 from towage.errors import SceneError
 from towage.scene.flavour import Flavour, resolve
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.sweeps.design import Design, design
@@ -129,7 +130,7 @@ class Sweep:
 
     def measures(self) -> dict[str, str]:
         """The recorded variables, "unit.variable", and their units of measure."""
-        resolved = self.scene.resolve(locator(self.fmus))
+        resolved = described(self.scene, locator(self.fmus))
         known = {name: unit.description.by_name() for name, unit in resolved.units.items()}
         return {f"{u}.{v}": known[u][v].unit or "" for u, v in resolved.record}
 

@@ -208,7 +208,6 @@ def main() -> None:
     setup, directory = requests.get()
     watch(directory)
     mark = Mark(directory / "mark")
-    mark.watch()
     from towage.sweeps import row as sweep_row  # noqa: F401 - what all runs need
 
     def report(share: float, text: str) -> None:
@@ -222,24 +221,23 @@ def main() -> None:
     say({"ready": True})
     task = requests.get()  # of which nothing is said until its time moves on: units are loaded for the first time
     while True:
-        say(vars(_serve(setup, task, report)))
+        say(vars(_serve(setup, task, mark, report)))
         task = requests.get()
         mark.note(b"", b"", math.nan)
         report(0.0, "initialisation")
 
 
-def _serve(setup: Setup, task: Task, report: Report) -> Row:
+def _serve(setup: Setup, task: Task, mark: Mark, report: Report) -> Row:
     """The row of a run done in this process."""
     import traceback
 
     from towage.master.master import Master
-    from towage.scene.select import with_values
     from towage.sweeps.design import VARY
     from towage.sweeps.row import Row, row
 
     try:
-        scene = with_values(setup.scene, task.values, VARY)
-        master = Master(scene, None, setup.fmus, setup.flavour)
+        scene = setup.scene.setting(task.values, VARY)
+        master = Master(scene, None, setup.fmus, setup.flavour, mark.unit)
         return row(task.index, master.run(report), master.resolved)
     except TowageError as error:
         return Row(task.index, "failed" if isinstance(error, RunError) else "refused", message=_without_file(error))

@@ -18,6 +18,7 @@ from towage.models.slender import plant as slender_plant
 from towage.models.slender.coefficients import Body
 from towage.models.slender.rigid import neutral_tail_cut, yaw_criterion
 from towage.process.files import atomic_write
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.scene.select import select
 from towage.tow_stability.critical import RANGES, Report, Row, argand, default_values, row, stability_map
@@ -51,7 +52,7 @@ class Towed:
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
     """The slender bodies of a scene without cases. Raises `SceneError` if there is none, or if one makes no sense."""
-    resolved = scene.resolve(locator(fmus))
+    resolved = described(scene, locator(fmus))
     towed = []
     for name, unit in resolved.units.items():
         if unit.description.model_name != UNIT.name:
