@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from towage.checks.tow_names import SPRING, UNITS
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
 from towage.models.cable.lumped.linear import tow_elastic
@@ -24,7 +25,6 @@ from towage.models.cable.parameters import TowParameters, tow_of
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import mesh, responses
 from towage.models.cable.units import tow_system
-from towage.checks.tow_names import SPRING, UNITS
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene

@@ -74,20 +74,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
-    from msgspec.structs import replace
-
     from towage.cli import INTERRUPTED, complain
     from towage.errors import SceneError
     from towage.sweeps.design import design
     from towage.sweeps.sweep import JOURNAL, Sweep
 
-    loaded, names = common.load(arguments)
-    if len(names) > 1:
+    _, cases = common.load(arguments)
+    if len(cases) > 1:
+        names = ", ".join(repr(case.chosen) for case in cases)
         raise SceneError(f"a sweep is over one case: choose one of {names} with --case", key="--case")
-    scene = loaded.case(names[0]) if names[0] else loaded
+    (scene,) = cases
     _check_options(arguments)
+    common.resolved(cases, arguments)  # builds FMUs here, where no timeout runs
     points = design(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
-    sweep = Sweep(replace(scene, cases=()), points, arguments.fmus, arguments.flavour, arguments.timeout)
+    sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout)
     recorded = sweep.measures()
     limits = [_limit(text, recorded) for text in arguments.limit]
     out = common.directory(arguments.out, scene, "_sweep")

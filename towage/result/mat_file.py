@@ -14,10 +14,7 @@ from towage.process.files import atomic_write
 
 _LONGEST = 63
 """Characters of the longest name of a MATLAB variable."""
-_KEYWORDS = (
-    "break case catch classdef continue else elseif end for function global if otherwise parfor persistent return spmd "
-    "switch try while"
-).split()
+_KEYWORDS = ["break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if", "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while"]
 
 
 def write_mat(path: str | os.PathLike[str], series: Mapping[str, NDArray[Any]], units: Mapping[str, str]) -> None:

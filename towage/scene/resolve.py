@@ -14,7 +14,7 @@ from typing import NamedTuple
 import msgspec
 from msgspec.structs import replace
 
-from towage.errors import SceneError, TowageError, suggest
+from towage.errors import SceneError, TowageError
 from towage.registry import SCHEMES
 from towage.scene.scene import Scene
 from towage.scene.values import Names, Values, with_article
