@@ -79,12 +79,13 @@ def execute(arguments: argparse.Namespace) -> int:
     from towage.sweeps.design import design
     from towage.sweeps.sweep import JOURNAL, Sweep
 
-    _, chosen = common.load(arguments)
-    if len(chosen) > 1:
-        names = [each.chosen for each in chosen]
+    _, cases = common.load(arguments)
+    if len(cases) > 1:
+        names = ", ".join(repr(case.chosen) for case in cases)
         raise SceneError(f"a sweep is over one case: choose one of {names} with --case", key="--case")
-    (scene,) = chosen
+    (scene,) = cases
     _check_options(arguments)
+    common.resolved(cases, arguments)  # builds FMUs here, where no timeout runs
     points = design(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
     sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout)
     recorded = sweep.measures()

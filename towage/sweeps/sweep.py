@@ -13,12 +13,12 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import msgspec
-import numpy as np
 
 from towage import __version__
 from towage.errors import SceneError
@@ -30,6 +30,7 @@ from towage.sweeps.design import Design, design
 from towage.sweeps.journal import Journal
 from towage.sweeps.table import Table
 from towage.sweeps.workers import Setup, Task, digests, run_here
+from towage.units.sources import brought, code_digest
 from towage.units.store import locator
 
 JOURNAL = "journal.jsonl"
@@ -64,7 +65,8 @@ class Sweep:
         files = digests(self.scene, self.fmus, self.pinned())
         versions = {
             "towage": __version__,
-            "numpy": np.__version__,
+            "code": code_digest("towage.sweeps.workers")[:16],
+            **{name: metadata.version(name) for name in ("fmpy", "numpy", "scipy", *brought())},
             "python": platform.python_version(),
             "machine": f"{sys.platform} {platform.machine()}",
         }
