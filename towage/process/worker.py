@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from towage import errors
+from towage.files import FULL, reason
 from towage.process.child import Died, Report, attend, converse
-from towage.process.files import FULL, reason
 from towage.process.mark import Mark
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene

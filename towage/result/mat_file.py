@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 
 _LONGEST = 63
 """Characters of the longest name of a MATLAB variable."""

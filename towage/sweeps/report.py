@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, number, page, percent, quantity, table
 from towage.scene.scene import Scene
 from towage.sweeps.plots import Quantity, attractor_map, operability, over_many, over_one, over_two
