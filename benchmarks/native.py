@@ -241,7 +241,7 @@ def master() -> None:
     for name in ("sea_cliff", "tow_600ft"):
         scene = Scene.load(name)
         scene = replace(scene, coupling=replace(scene.coupling, error_estimate=False),
-                        checks=replace(scene.checks, sdof=None))  # fmt: skip
+                        checks=scene.checks.without("sdof"))  # fmt: skip
         found: dict[Flavour, float] = {}
         steps = 0.0
         for flavour in ("python", "native"):
