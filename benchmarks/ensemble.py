@@ -35,7 +35,7 @@ def bare(name: str) -> Scene:
     scene = Scene.load(name)
     scene = scene.case(scene.cases[0].name) if scene.cases else scene
     coupling = replace(scene.coupling, error_estimate=False)
-    return replace(scene, cases=(), coupling=coupling, checks=replace(scene.checks, sdof=None, simpler=None))
+    return replace(scene, cases=(), coupling=coupling, checks=scene.checks.without("sdof", "simpler"))
 
 
 def main(chosen: list[str]) -> None:
