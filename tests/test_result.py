@@ -21,7 +21,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.io import loadmat
 
 from towage.errors import TowageError
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.result.result import Comparison, Event, Finding, Margin, Result, Verdict
 
 ROOT = Path(__file__).parents[1]

@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
+
+from tests.held_clock import hold
 from towage.cli import main
 
 SILENCE = "2"
@@ -56,9 +59,16 @@ class Outcome(NamedTuple):
 def run(case: Case, directory: Path) -> Outcome:
     """``towage run`` of the case's scene."""
     scene, out = case.scene(directory), directory / "out"
-    printed = io.StringIO()
+    printed, hung = io.StringIO(), directory / "hung"
+    hung.mkdir()
     command = ["run", str(scene), "--out", str(out), "--no-report", "--progress", "none", "--timeout", SILENCE]
-    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed), case.during(directory):
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        contextlib.redirect_stdout(printed),
+        contextlib.redirect_stderr(printed),
+        case.during(directory),
+    ):
+        hold(patch, hung)
         code = main([*command, "--flavour", "python"])
         return Outcome(code, printed.getvalue(), _last_time(out))
 

@@ -69,7 +69,7 @@ def execute(arguments: argparse.Namespace) -> int:
     from towage.report.page import text_summary, write_report
 
     stem = scene.file.stem if scene.file else "scene"
-    out = _directory(arguments.out or Path("out", stem))
+    out = common.directory(arguments.out, scene)
     results: list[Result] = []
     files: list[Path] = []
     faults: list[dict[str, str]] = []
@@ -94,17 +94,6 @@ def execute(arguments: argparse.Namespace) -> int:
         complain("interrupted; what was recorded is kept")
         return INTERRUPTED
     return SceneError.exit_code if SceneError.exit_code in codes else max(codes)
-
-
-def _directory(out: Path) -> Path:
-    """The directory, made where it is not there yet. Raises `TowageError`."""
-    from towage.errors import TowageError
-
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise TowageError(f"cannot make the directory {out}: {error.strerror}") from error
-    return out
 
 
 def _outcomes(cases: Sequence[ResolvedScene], stem: str, arguments: argparse.Namespace) -> Iterator[Outcome]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.errors import TowageError
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.units.store import cache
 
 if TYPE_CHECKING:

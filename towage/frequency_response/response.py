@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from towage.checks.towing import Gain, SceneTow, gains, spring_check, tolerance_of, tows
 from towage.errors import SceneError
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.result.records import Finding
 from towage.scene.resolve import described
 from towage.scene.scene import Scene

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from towage import errors
+from towage.files import FULL, reason
 from towage.process.child import Died, Report, attend, converse
-from towage.process.files import FULL, reason
 from towage.process.mark import Mark
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
@@ -133,7 +133,7 @@ def watch(directory: Path) -> None:
     stack = open(directory / "stack", "w")  # noqa: SIM115 - open until the process ends
     faulthandler.enable(stack)
     if hasattr(signal, "SIGUSR1"):
-        faulthandler.register(signal.SIGUSR1, stack)
+        faulthandler.register(signal.SIGUSR1, stack, chain=True)  # and end as this signal ends a process
 
 
 def _serve(request: Request, report: Report) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
 from towage.report.tables import accuracy, checks, comparison, events, margins, statistics

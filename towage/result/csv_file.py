@@ -10,7 +10,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 
 
 def write_csv(path: str | os.PathLike[str], series: Mapping[str, NDArray[Any]], units: Mapping[str, str]) -> None:

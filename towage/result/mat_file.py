@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 
 _LONGEST = 63
 """Characters of the longest name of a MATLAB variable."""
-_KEYWORDS = ["break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if", "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while"]
+_KEYWORDS = (
+    "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if", "otherwise",
+    "parfor", "persistent", "return", "spmd", "switch", "try", "while",
+)  # fmt: skip
 
 
 def write_mat(path: str | os.PathLike[str], series: Mapping[str, NDArray[Any]], units: Mapping[str, str]) -> None:

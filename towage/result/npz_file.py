@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.errors import TowageError
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 
 Columns = Mapping[str, NDArray[Any]]
 _FORMAT = 2
@@ -29,7 +29,7 @@ def write_npz(
 ) -> None:
     """Write ``metadata`` (JSON), ``arrays`` under their names, and the ``series`` "columns" and "one_way". Raises
     `TowageError` and keeps the earlier file if it cannot be written."""
-    keyed = dict(arrays)
+    keyed: dict[str, Any] = dict(arrays)
     described = {**metadata, "format": _FORMAT}
     for kind, (numbered, prefix) in _PREFIXES.items():
         keys = described[f"{kind}_keys"] = {}
@@ -42,25 +42,24 @@ def write_npz(
         np.savez(stream, metadata=np.frombuffer(text.encode(), np.uint8), **keyed)
 
 
-def read_npz(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, dict[str, NDArray[Any]]], Columns]:
-    """(metadata, series, arrays) as written. Raises `TowageError` if the file cannot be read, and ``ValueError`` or
+def read_npz(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Metadata, series and arrays as written, by name. Raises `TowageError` if the file cannot be read, and ``ValueError`` or
     ``KeyError`` if it is no such store."""
     try:
         if not zipfile.is_zipfile(path):
             with open(path, "rb"):  # a missing file is an OSError
                 raise ValueError("it is not an npz archive")
         with np.load(path, allow_pickle=False) as store:
-            metadata = json.loads(store["metadata"].tobytes())
+            metadata: dict[str, Any] = json.loads(store["metadata"].tobytes())
             if metadata.pop("format") > _FORMAT:
                 raise ValueError("it was written by a newer version")
-            series = {}
             for kind, (numbered, _) in _PREFIXES.items():
                 if f"{numbered}_names" in metadata:  # format 1
                     keys = {name: f"{numbered}_{k}" for k, name in enumerate(metadata.pop(f"{numbered}_names"))}
                 else:
                     keys = metadata.pop(f"{kind}_keys")
-                series[kind] = {name: store[key] for name, key in keys.items()}
-            return metadata, series, {name: store[name] for name in ("time", "step_sizes")}
+                metadata[kind] = {name: store[key] for name, key in keys.items()}
+            return {**metadata, "time": store["time"], "step_sizes": store["step_sizes"]}
     except OSError as error:
         raise TowageError(f"cannot read {os.fspath(path)}: {error.strerror or error}") from error
 

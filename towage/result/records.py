@@ -72,3 +72,7 @@ class Verdict:
     reason: str
     number: float | None
     limit: float | None
+
+
+NOT_JUDGED = Verdict("not judged", "", None, None)
+"""Before a run is judged."""

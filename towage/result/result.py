@@ -21,7 +21,7 @@ from towage.result import frames, show
 from towage.result.csv_file import write_csv
 from towage.result.mat_file import write_mat
 from towage.result.npz_file import read_npz, write_npz
-from towage.result.records import Comparison, Event, Finding, Margin, Verdict
+from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Margin, Verdict
 
 if TYPE_CHECKING:
     import pandas
@@ -56,7 +56,7 @@ class Result:
     checks: list[Finding] = field(default_factory=list)
     margins: list[Margin] = field(default_factory=list)
     comparison: Comparison | None = None
-    verdict: Verdict = Verdict("not judged", "", None, None)
+    verdict: Verdict = NOT_JUDGED
     coupling_error: dict[str, float] = field(default_factory=dict)
     power_residual: dict[str, float] = field(default_factory=dict)
     statistics: dict[str, float] = field(default_factory=dict)
@@ -123,12 +123,12 @@ class Result:
     def load_npz(cls, path: str | os.PathLike[str]) -> Result:
         """Result written by `save_npz`. Raises TowageError if ``path`` is not one."""
         try:
-            metadata, series, arrays = read_npz(path)
+            values: dict[str, Any] = read_npz(path)
             for kind, record in (("events", Event), ("checks", Finding), ("margins", Margin)):
-                metadata[kind] = [record(**values) for values in metadata[kind]]
-            metadata["verdict"] = Verdict(**metadata["verdict"])
-            metadata["comparison"] = metadata["comparison"] and Comparison(**metadata["comparison"])
-            return cls(**metadata, **series, **arrays)
+                values[kind] = [record(**each) for each in values[kind]]
+            values["verdict"] = Verdict(**values["verdict"])
+            values["comparison"] = values["comparison"] and Comparison(**values["comparison"])
+            return cls(**values)
         except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             raise TowageError(f"{os.fspath(path)} is not a result of towage: {error}") from error
 

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from towage.files import atomic_write
 from towage.models.route import voyage
 from towage.models.route.maps import StereographicMap
 from towage.models.route.plan import Plan, Problem, Route
 from towage.models.sea.waves import peak_frequency
-from towage.process.files import atomic_write
 from towage.report.svg import save_figure
 
 Array = NDArray[np.float64]

@@ -236,7 +236,7 @@ def _check(scene: Scene) -> None:
     for key, length in lengths.items():
         if length is not None and length > scene.stop_time:
             raise scene.error(f"{length} s is longer than stop_time, {scene.stop_time} s", key)
-    names = [case.name for case in scene.cases]
-    for index, name in enumerate(names):
-        if not name.strip() or name in names[:index]:
+    cases = [case.name for case in scene.cases]
+    for index, name in enumerate(cases):
+        if not name.strip() or name in cases[:index]:
             raise scene.error(f"case name {name!r} is empty or used twice", f"cases[{index}].name")

@@ -8,8 +8,10 @@ Source of the sequence: S. Joe and F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008), as
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import math
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -165,14 +167,13 @@ def _end(scene: Scene, target: str, text: str, fmus: Path | None) -> tuple[float
             continue
     changed = scene.setting({target: given}, VARY)
     head, _, rest = target.partition(".")
+    value: Any
     if head in scene.units:
         resolved = described(changed, locator(fmus)).units[head]
         variable, value = resolved.description.by_name()[rest], resolved.parameters[rest]
         unit, whole = variable.unit or "", variable.type != "Real"
     else:
-        value = changed.to_dict()
-        for key in target.split("."):
-            value = value[key]
+        value = functools.reduce(operator.getitem, target.split("."), changed.to_dict())
         unit, whole = "s" if target in _TIMES else "", False
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise SceneError(f"{target} is no number and cannot be varied over a range", file=scene.file, key=VARY)

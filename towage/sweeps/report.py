@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, number, page, percent, quantity
 from towage.report.format import table as html_table
 from towage.scene.scene import Scene

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from towage.files import atomic_write
 from towage.models.slender import critical as slender_critical
 from towage.models.slender.coefficients import Body
 from towage.models.slender.modes import growth_rate, matrices
 from towage.models.slender.tracking import Path as ModePath
 from towage.models.slender.tracking import track
-from towage.process.files import atomic_write
 from towage.units.sources import code_digest
 from towage.units.store import cache
 

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from towage.errors import SceneError
+from towage.files import atomic_write
 from towage.fmus.slender_body import UNIT
 from towage.models.slender import plant as slender_plant
 from towage.models.slender.coefficients import Body
 from towage.models.slender.rigid import neutral_tail_cut, yaw_criterion
-from towage.process.files import atomic_write
 from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.scene.select import select

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from towage.errors import FmuError
-from towage.process.files import reason
+from towage.files import reason
 
 Locate = Callable[[str], Path]
 """From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
