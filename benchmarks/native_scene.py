@@ -45,8 +45,8 @@ def bare(name: str, case: str | None) -> Scene:
     return replace(scene, cases=(), coupling=coupling, checks=scene.checks.without("sdof", "simpler"))
 
 
-def error(found: Array, exact: Array) -> float:
-    return float(np.max(np.abs(found - exact)) / np.max(np.abs(exact)))
+def error(computed: Array, exact: Array) -> float:
+    return float(np.max(np.abs(computed - exact)) / np.max(np.abs(exact)))
 
 
 def coupled(scene: Scene, flavour: Flavour) -> tuple[float, float, Array]:
