@@ -26,7 +26,7 @@ from towage.fmus.native.build import build_unit
 from towage.master.master import Master
 from towage.scene.compose import unit_of
 from towage.scene.flavour import Flavour
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, described
 from towage.scene.scene import Scene
 from towage.units.store import locator
 from towage.verify.monolithic import solve
@@ -100,7 +100,7 @@ def main(chosen: list[str]) -> None:
     """One table a scene."""
     for name in chosen:
         scene = bare(name, SCENES[name])
-        resolved = scene.resolve(locator())
+        resolved = described(scene, locator())
         with tempfile.TemporaryDirectory() as folder:
             fmu, _ = build_unit(unit_of(resolved, name), Path(folder))
             rows = []

@@ -20,7 +20,7 @@ from towage.report.format import number, percent, quantity
 from towage.report.page import text_summary, write_report
 from towage.report.plots import intervals, roles, slack
 from towage.report.svg import thin
-from towage.result.result import Check, Comparison, Event, Margin, Result, Verdict
+from towage.result.result import Comparison, Event, Finding, Margin, Result, Verdict
 
 CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
 SCENE = """title = "Sea Cliff's cradle under Lulu"
@@ -70,8 +70,8 @@ def cradle(case="8 s wave", ratio=0.9, zeta=0.15, weight=36e3, samples=1601, err
         columns=columns, one_way=one_way, events=events, margins=margins, step_sizes=steps, scene_source=SCENE,
         units={"ship.heave": "m", "cradle.heave": "m", "line.tension": "N", "cradle.velocity": "m/s"},
         checks=[
-            Check("sdof closed form", "ok", 0.0093, 0.045, "eps* is below 0.9 of the tolerance"),
-            Check("line.tension -> cradle.line_tension", "warning", None, None, "N converted to kN & back <twice>"),
+            Finding("sdof closed form", "ok", 0.0093, 0.045, "eps* is below 0.9 of the tolerance"),
+            Finding("line.tension -> cradle.line_tension", "warning", None, None, "N converted to kN & back <twice>"),
         ],
         comparison=Comparison(0.05, error, 0.031, error * 1.2, 0.034, 0.0108, 0.0109, 0.0093, 0.02, 0.009, "valid"),
         verdict=Verdict(word, "amplitude changes little when the ship feels the cradle", error, 0.05),

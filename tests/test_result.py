@@ -21,8 +21,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.io import loadmat
 
 from towage.errors import TowageError
-from towage.process.files import atomic_write
-from towage.result.result import Check, Comparison, Event, Margin, Result, Verdict
+from towage.files import atomic_write
+from towage.result.result import Comparison, Event, Finding, Margin, Result, Verdict
 
 ROOT = Path(__file__).parents[1]
 
@@ -36,7 +36,7 @@ def cradle(samples=200):
         title="Cradle", case="8 s", scheme="hermite", status="done", message="", time=clock, columns=columns,
         units={"ship.heave": "m", "cradle.heave": "m", "line.tension": "N"}, one_way={"cradle.heave": ship / 0.76},
         events=[Event(1.0 / 3.0, "line", "taut", -1), Event(0.7, "line", "taut", 1), Event(4.0, "cradle", "docking", 0)],
-        checks=[Check("closed form", "ok", 0.0093, 0.045, "µ/|Ω² − 1|")],
+        checks=[Finding("closed form", "ok", 0.0093, 0.045, "µ/|Ω² − 1|")],
         margins=[
             Margin("line.margin_taut", 0.2, 3.0, False), Margin("line.margin_breaking", 0.6, 4.0, True),
             Margin("ship.margin_sdof", math.nan, 0.0, True),

@@ -33,7 +33,7 @@ from towage.fmus.native.compiler import CompileError, compiler, host
 from towage.master.master import Master
 from towage.scene.scene import Scene
 from towage.sweeps.attractor import APERIODIC, repeats_after
-from towage.sweeps.design import grid, parse_vary, sobol, with_values
+from towage.sweeps.design import grid, parse_vary, sobol
 from towage.sweeps.ensemble import by_ensemble
 from towage.sweeps.journal import Journal, JournalError
 from towage.sweeps.row import Row
@@ -182,7 +182,7 @@ def test_the_journal_says_where_a_unit_crashed(whole: Path) -> None:
 
 def test_a_row_is_what_the_master_finds(winch: Path, whole: Path) -> None:
     scene = Scene.load(winch)
-    result = Master(with_values(scene, {"winch.number": 30.0}), None, None, "python").run()
+    result = Master(scene.setting({"winch.number": 30.0}, "test"), None, None, "python").run()
     with open(whole / "table.csv", newline="") as file:
         row = list(csv.DictReader(file))[30]
     assert float(row["winch.number [-]"]) == 30.0

@@ -130,3 +130,30 @@ UNITS = Registry(
     {name: f"towage.fmus.{name}:UNIT" for name in SHIPPED_UNITS},
 )
 """Declarations of units, `towage.fmus.declare.unit.Unit`."""
+
+CHECKS = Registry(
+    "towage.checks",
+    "check",
+    "towage.checks.check:Check",
+    {
+        "step": "towage.checks.step:CHECK",
+        "error": "towage.checks.error:CHECK",
+        "sdof": "towage.checks.sdof:CHECK",
+        "simpler": "towage.checks.simpler:CHECK",
+        "towing": "towage.checks.tows:CHECK",
+        "margins": "towage.checks.margins:CHECK",
+    },
+)
+"""Checks of a run, `towage.checks.check.Check`, in the order in which their findings are told."""
+
+WRITERS = Registry(
+    "towage.writers",
+    "writer",
+    "towage.result.writers:Writer",
+    {
+        "csv": "towage.result.writers:CSV",
+        "npz": "towage.result.writers:NPZ",
+        "mat": "towage.result.writers:MAT",
+    },
+)
+"""Writers of result files, `towage.result.writers.Writer`."""

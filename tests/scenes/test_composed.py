@@ -23,7 +23,7 @@ from towage.models.heave import ship
 from towage.models.heave.system import Simulation
 from towage.models.numeric.ops import FLOATS, NEVER
 from towage.scene.compose import scene_unit, unit_of
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, described
 from towage.scene.scene import Scene
 from towage.units.store import locator
 from towage.verify.monolithic import monolithic, solve
@@ -37,7 +37,7 @@ def resolved(name: str, case: str | None = None, **values: float) -> ResolvedSce
         cradle = scene.units["cradle"]
         changed = replace(cradle, parameters=cradle.parameters | values)
         scene = replace(scene, units=scene.units | {"cradle": changed})
-    return scene.resolve(locator())
+    return described(scene, locator())
 
 
 class Player:

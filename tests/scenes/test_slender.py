@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from towage.checks import simpler as judge_slender
+from towage.checks.simpler import SimplerCheck
 from towage.errors import SceneError
 from towage.master.master import Master
 from towage.models.heave import ship
 from towage.models.numeric.ops import FLOATS
 from towage.models.slender import sway_craft
 from towage.models.slender.plant import plant
-from towage.result.result import Check, Result
-from towage.scene.scene import Scene, SimplerCheck
+from towage.result.result import Finding, Result
+from towage.scene.scene import Checks, Scene
 from towage.tow_stability.stability import bodies
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ def without_checks(chosen: Scene) -> Scene:
     return replace(chosen, checks=replace(chosen.checks, sdof=None, simpler=None))
 
 
-def simpler(result: Result) -> Check:
+def simpler(result: Result) -> Finding:
     return next(c for c in result.checks if c.name == "simpler model")
 
 
@@ -199,9 +200,8 @@ def test_words_of_the_simpler_model() -> None:
 )
 def test_faults_of_the_check_are_told(change: dict[str, Any], message: str) -> None:
     chosen = scene("slender_yaw", "full tail")
-    assert chosen.checks.simpler is not None
     with pytest.raises(SceneError, match=message):
-        Master(replace(chosen, checks=replace(chosen.checks, simpler=replace(chosen.checks.simpler, **change))))
+        Master(replace(chosen, checks=Checks({"simpler": replace(chosen.checks.get("simpler"), **change)})))
 
 
 def test_faults_of_the_file_are_told(tmp_path: Path) -> None:

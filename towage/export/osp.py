@@ -16,8 +16,8 @@ from xml.etree.ElementTree import Element, SubElement
 
 from towage.errors import TowageError
 from towage.export.export import Export, document, text
+from towage.files import atomic_write
 from towage.master.bonds import Bond, bonds
-from towage.process.files import atomic_write
 from towage.scene.resolve import Connection
 
 SYSTEM = "OspSystemStructure.xml"

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, figure, moment, number, page, percent, quantity, scale, table
 from towage.report.page import margin_cell, name_of, peak_tension
 from towage.report.plots import CYCLE, roles

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
 from towage.report.tables import accuracy, checks, comparison, events, margins, statistics
@@ -35,13 +35,16 @@ _ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
 
 
-def write_report(results: Sequence[Result], path: str | os.PathLike[str]) -> Path:
-    """Writes the report of ``results``, the cases of one or more scenes, to ``path`` and returns it.
+def write_report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> Path:
+    """Writes the report of a result, or of several (the cases of one or more scenes), to ``path`` and returns it.
 
-    All cases are in the overview; tables follow for the 40 gravest and diagrams for the 10 gravest, thinned so that
-    the file stays under 1.5 MB. Raises ValueError
-    without results and TowageError if the file cannot be written; an earlier report is then kept.
+        towage.write_report(towage.run_all("sea_cliff"), "sea_cliff.html")
+
+    One HTML file without scripts or references. All cases are in the overview; tables follow for the 40 gravest and
+    diagrams for the 10 gravest, thinned so that the file stays under 1.5 MB. Raises ``ValueError`` without results and
+    `TowageError` if the file cannot be written; an earlier report is then kept.
     """
+    results = [results] if isinstance(results, Result) else results
     if not results:
         raise ValueError("a report needs at least one result")
     with atomic_write(path) as stream:

@@ -9,10 +9,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from html import escape
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from towage.files import atomic_write
 from towage.result.result import Array
 
 if TYPE_CHECKING:
@@ -66,6 +68,17 @@ def canvas(title: str, key: str, width: float, heights: Sequence[float]) -> Iter
         drawing.get_layout_engine().execute(drawing)  # type: ignore[union-attr]
         drawing.set_layout_engine("none")  # or it would be drawn once more, to no effect
         svg.append(_inline(drawing, title, key))
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Writes a figure, by the ending of ``path`` (.svg, .png or .pdf), with the same bytes every time. Raises
+    `TowageError` where it cannot be written."""
+    import matplotlib
+
+    kind = path.suffix.lstrip(".").lower() or "svg"
+    date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
+    with atomic_write(path) as stream, matplotlib.rc_context({"svg.hashsalt": "towage"}):
+        figure.savefig(stream, format=kind, metadata={date: None} if date else None)
 
 
 def _inline(drawing: Figure, title: str, key: str) -> str:

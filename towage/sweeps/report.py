@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, number, page, percent, quantity, table
 from towage.scene.scene import Scene
 from towage.sweeps.plots import Quantity, attractor_map, operability, over_many, over_one, over_two
@@ -63,7 +63,7 @@ def _counted(words: Sequence[str]) -> str:
 
 def _quantities(found: Table, scene: Scene, limits: Sequence[Limit]) -> list[Quantity]:
     """What is worth a diagram: the SDOF error, the worst margin, the largest tension, and what has a limit."""
-    check = scene.checks.sdof
+    check = scene.checks.get("sdof")
     wanted = [
         Quantity("sdof:rms", "SDOF error, rms", check.tolerance if check else None),
         Quantity("worst_margin", "worst margin", 0.0),

@@ -63,7 +63,7 @@ def _measures(result: Result, resolved: ResolvedScene) -> dict[str, float]:
 def _attractor(result: Result, resolved: ResolvedScene) -> float | None:
     """Periods after which the motion of the SDOF check repeats; None where the scene has no such check, or its driver no
     parameter ``heave_period``."""
-    check = resolved.scene.checks.sdof
+    check = resolved.scene.checks.get("sdof")
     if not check or check.motion not in result.columns:
         return None
     driver = resolved.units[check.driver.partition(".")[0]]

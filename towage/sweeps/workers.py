@@ -232,11 +232,11 @@ def _serve(setup: Setup, task: Task, mark: Mark, report: Report) -> Row:
     import traceback
 
     from towage.master.master import Master
-    from towage.sweeps.design import with_values
+    from towage.sweeps.design import VARY
     from towage.sweeps.row import Row, row
 
     try:
-        scene = with_values(setup.scene, dict(task.values))
+        scene = setup.scene.setting(task.values, VARY)
         master = Master(scene, None, setup.fmus, setup.flavour, mark.unit)
         return row(task.index, master.run(report), master.resolved)
     except TowageError as error:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import functools
 import hashlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from towage.errors import FmuError
-from towage.process.files import reason
-from towage.scene.scene import Locate
+from towage.files import reason
 
+Locate = Callable[[str], Path]
+"""From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
 Structure = Mapping[str, float]
 """Structural parameters of a native FMU: sizes that are fixed when it is built."""
 
