@@ -155,7 +155,8 @@ def test_its_part_in_report_and_summary_and_the_writer(
 ) -> None:
     out = tmp_path / "out"
     options = [text for key in ("stop_time", "ship.ramp_time") for text in ("--set", f"{key}={SHORT[key]}")]
-    options += ["--set", "checks.sdof.settle=0", "--set", "coupling.error_estimate=false", "--flavour", "python", "--write", "npz,peak", "--progress", "none"]
+    options += ["--set", "checks.sdof.settle=0", "--set", "coupling.error_estimate=false"]
+    options += ["--flavour", "python", "--write", "npz,peak", "--progress", "none"]
     assert cli.main(["run", str(scene), "--out", str(out), *options]) == 0
     assert "  swing           cradle.heave swings by" in capsys.readouterr().out
     assert {file.name for file in out.iterdir()} == {"swinging.npz", "swinging.peak.json", "report.html"}
