@@ -83,6 +83,7 @@ def linear(model: LinearModel, step: float) -> tuple[float, float]:
     omega, a = FREQUENCY, AMPLITUDE
 
     def coefficients(t: float) -> np.ndarray:
+        """Heave velocity and its derivatives over their factorials, as the step takes its inputs."""
         s, c = math.sin(omega * t), math.cos(omega * t)
         table = np.zeros((4, 4))
         table[:, 1] = a * omega * c, -a * omega**2 * s, -a * omega**3 * c / 2.0, a * omega**4 * s / 6.0
@@ -99,6 +100,7 @@ def linear(model: LinearModel, step: float) -> tuple[float, float]:
     force = np.array([harmonic(times, column) for column in np.array(rows).T]) / a
 
     def once() -> float:
+        """ms a simulated second, of four periods."""
         state, count = np.zeros(len(model.a)), 4 * per
         begin = time.process_time()
         for k in range(count):
@@ -115,6 +117,7 @@ def nonlinear(segments: int, step: float) -> tuple[float, float]:
     cable, omega, a = nonlinear_cable(tow_case(), segments), FREQUENCY, AMPLITUDE
 
     def motion(t: float) -> np.ndarray:
+        """Velocity of the towpoint, and the forces on the body."""
         s = min(t / 10.0, 1.0)
         r, rate = s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 3.0 * s * s * (1.0 - s) ** 2
         return np.array([0.0, a * (r * omega * math.cos(omega * t) + rate * math.sin(omega * t)), 0.0, 0.0])
