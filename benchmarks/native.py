@@ -231,8 +231,8 @@ def memory() -> float:
 
     mallinfo = CDLL(None).mallinfo2
     mallinfo.restype = Statistics
-    found = mallinfo()
-    return float(found.uordblks + found.hblkhd) / 1e3
+    counts = mallinfo()
+    return float(counts.uordblks + counts.hblkhd) / 1e3
 
 
 def master() -> None:
@@ -241,15 +241,15 @@ def master() -> None:
     for name in ("sea_cliff", "tow_600ft"):
         scene = Scene.load(name)
         scene = replace(scene, coupling=replace(scene.coupling, error_estimate=False),
-                        checks=replace(scene.checks, sdof=None))  # fmt: skip
-        found: dict[Flavour, float] = {}
+                        checks=scene.checks.without("sdof"))  # fmt: skip
+        seconds: dict[Flavour, float] = {}
         steps = 0.0
         for flavour in ("python", "native"):
             prepared = Master(scene, scene.cases[0].name, None, flavour)
             runs = [prepared.run().statistics for _ in range(3)]
-            found[flavour], steps = min(r["cpu_s"] for r in runs), runs[0]["steps"]
-        print(f"| {name} | {steps:.0f} | {found['python']:.3g} | {found['native']:.3g} | "
-              f"{found['python'] / found['native']:.3g} |")  # fmt: skip
+            seconds[flavour], steps = min(r["cpu_s"] for r in runs), runs[0]["steps"]
+        print(f"| {name} | {steps:.0f} | {seconds['python']:.3g} | {seconds['native']:.3g} | "
+              f"{seconds['python'] / seconds['native']:.3g} |")  # fmt: skip
 
 
 def main() -> None:

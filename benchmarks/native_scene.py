@@ -42,11 +42,11 @@ def bare(name: str, case: str | None) -> Scene:
     scene = Scene.load(name)
     scene = scene.case(case) if case else scene
     coupling = replace(scene.coupling, error_estimate=False)
-    return replace(scene, cases=(), coupling=coupling, checks=replace(scene.checks, sdof=None, simpler=None))
+    return replace(scene, cases=(), coupling=coupling, checks=scene.checks.without("sdof", "simpler"))
 
 
-def error(found: Array, exact: Array) -> float:
-    return float(np.max(np.abs(found - exact)) / np.max(np.abs(exact)))
+def error(computed: Array, exact: Array) -> float:
+    return float(np.max(np.abs(computed - exact)) / np.max(np.abs(exact)))
 
 
 def coupled(scene: Scene, flavour: Flavour) -> tuple[float, float, Array]:

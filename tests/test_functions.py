@@ -80,7 +80,7 @@ def test_a_route_is_a_value() -> None:
     planned = route("storm")
     assert planned.document()["best_h"] == pytest.approx(56.71651, abs=1e-5)
     assert planned.unit_parameters()["duration"] == pytest.approx(planned.plan.best.duration)
-    with pytest.raises(SceneError, match="shipped routes: pacific, storm"):
+    with pytest.raises(SceneError, match="known routes: pacific, storm"):
         route("nowhere")
 
 

@@ -22,7 +22,7 @@ from towage.report.plots import intervals, roles, slack
 from towage.report.svg import thin
 from towage.result.result import Comparison, Event, Finding, Margin, Result, Verdict
 
-CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+CHROMIUM = next((program for name in ("chromium", "chromium-browser", "google-chrome") if (program := shutil.which(name))), None)
 SCENE = """title = "Sea Cliff's cradle under Lulu"
 connections = ["ship.heave -> line.heave_top", "line.tension -> cradle.line_tension"]
 
@@ -304,9 +304,9 @@ def test_comparison_of_runs_lays_what_they_share_side_by_side(tmp_path):
 def test_differences_are_those_of_the_curves():
     first, other = foreign(401), foreign(101)
     other.columns["Motor.tau"] = other.columns["Motor.tau"] + 0.25
-    found = difference(first, other, "Motor.tau")
-    assert found.largest == pytest.approx(0.25, abs=0.2**2 / 8)  # linear interpolation of cos over 0.2 s
-    assert found.relative == pytest.approx(0.25 / math.sqrt(0.5), rel=0.03)  # 20 s are not whole periods
+    change = difference(first, other, "Motor.tau")
+    assert change.largest == pytest.approx(0.25, abs=0.2**2 / 8)  # linear interpolation of cos over 0.2 s
+    assert change.relative == pytest.approx(0.25 / math.sqrt(0.5), rel=0.03)  # 20 s are not whole periods
     assert difference(first, first, "Motor.tau")[:3] == (0.0, 0.0, 0.0)
     other.time = other.time + 100.0
     assert math.isnan(difference(first, other, "Motor.tau").largest), "no time in common"

@@ -499,15 +499,15 @@ def test_both_engines_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         assert cli.main(short(tmp_path / engine, engine, "--json")) == 0
     first, second = (said.strip() + "\n}" for said in capsys.readouterr().out.split("\n}\n")[:2])
     runs, words, _ = columns(tmp_path / "runs")
-    found, judged, note = columns(tmp_path / "ensemble")
-    absent = {name for name in runs if name not in found}
+    members, judged, note = columns(tmp_path / "ensemble")
+    absent = {name for name in runs if name not in members}
     assert {name.partition(":")[0] for name in absent} == {"sdof", "events", "coupling_error"}
-    assert set(found) <= set(runs)
+    assert set(members) <= set(runs)
     # the scheme's own estimate is of the largest value of what is coupled; a margin or an acceleration that follows from
     # it may be some times as sensitive (measured: 1.5 times)
     tolerance = 5.0 * runs["coupling_error"].max()
     assert 1e-7 < tolerance < 1e-5
-    for name, values in found.items():
+    for name, values in members.items():
         largest = np.abs(runs[name]).max()
         np.testing.assert_allclose(values, runs[name], rtol=0.0, atol=tolerance * largest, err_msg=name)
     assert judged["status"] == words["status"]
@@ -524,7 +524,7 @@ def test_both_engines_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 def test_points_that_are_refused_or_invalid_are_told_apart() -> None:
     """A mass below zero is refused; without its list of margins for show, the slack line makes its points invalid."""
     slack = Scene.load("slack")
-    bare = msgspec.structs.replace(slack.checks, sdof=None, report_only=("ship.margin_sdof",))
+    bare = msgspec.structs.replace(slack.checks.without("sdof"), report_only=("ship.margin_sdof",))
     scene = msgspec.structs.replace(slack, stop_time=40.0, checks=bare)
     amplitudes = grid(scene, ["ship.heave_amplitude=2 ft:6 ft:2", "cradle.mass=30 t:40 t:2"])
     points = amplitudes.points.copy()
@@ -546,10 +546,10 @@ def test_an_ensemble_of_a_case(tmp_path: Path) -> None:
         "--sample", "1", "--out", str(tmp_path), "--progress", "none",
     ]  # fmt: skip
     assert cli.main(command) == 0
-    found, words, _ = columns(tmp_path)
+    members, words, _ = columns(tmp_path)
     assert words["status"] == ["done", "done"]
     # samples 0.25 s apart or closer miss a crest by 1 - cos(2 pi 0.125/5) = 1.3 % at most
-    np.testing.assert_allclose(found["max:ship.free_heave"], [1.0, 2.0], rtol=0.013)
+    np.testing.assert_allclose(members["max:ship.free_heave"], [1.0, 2.0], rtol=0.013)
 
 
 @pytest.mark.usefixtures("ensembles")

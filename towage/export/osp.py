@@ -15,8 +15,9 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from towage.errors import TowageError
-from towage.export.export import Export, document, text
+from towage.export.export import Export, text
 from towage.files import atomic_write
+from towage.fmus.describe.fmi2 import document
 from towage.master.bonds import Bond, bonds
 from towage.scene.resolve import Connection
 

@@ -91,7 +91,7 @@ def _inline(drawing: Figure, title: str, key: str) -> str:
     svg = re.sub(r' (xmlns(:\w+)?|version)="[^"]*"', "", svg).replace("xlink:href", "href")
     svg = re.sub(r"<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", rf'<svg \1 role="img" aria-label="{escape(title)}">', svg, count=1)
     used = set(re.findall(r'(?:url\(|href=")#([^")]+)', svg))
-    svg = re.sub(r' id="([^"]*)"', lambda found: f' id="{key}-{found[1]}"' if found[1] in used else "", svg)
+    svg = re.sub(r' id="([^"]*)"', lambda attribute: f' id="{key}-{attribute[1]}"' if attribute[1] in used else "", svg)
     svg = re.sub(r'(url\(|href=")#', rf"\1#{key}-", svg)
     svg = re.sub(r' transform="rotate\(-0 [^"]*"|font-family: [^;"]*;? ?|<defs>\s*</defs>', "", svg)
     svg = re.sub(r' (?:d|x|y)="[^"]*"', _shorter, svg)

@@ -96,10 +96,10 @@ def unit_parameters(problem: Problem, route: Route) -> dict[str, float]:
     """Parameters of the unit `voyage` for a route."""
     v = voyage_table(problem, route, voyage.POINTS)
     horizon = problem.medium.field.horizon
-    found = {"duration": route.duration, "horizon": horizon if math.isfinite(horizon) else 0.0}
+    parameters = {"duration": route.duration, "horizon": horizon if math.isfinite(horizon) else 0.0}
     for column in voyage.COLUMNS:
-        found |= {f"{column}_{k}": float(f"{value:.7g}") for k, value in enumerate(getattr(v, column))}
-    return found
+        parameters |= {f"{column}_{k}": float(f"{value:.7g}") for k, value in enumerate(getattr(v, column))}
+    return parameters
 
 
 def parameters_text(values: dict[str, float], prefix: str = "") -> str:

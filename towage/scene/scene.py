@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,7 +18,7 @@ from msgspec.structs import replace
 from towage.errors import SceneError, suggest
 from towage.registry import CHECKS, SCHEMES
 from towage.scene.parts import Case, Checks, Coupling, Empty, Record, UnitEntry
-from towage.scene.tables import Tables, plain
+from towage.scene.tables import Tables, find_file, plain, read_toml
 
 __all__ = ["Case", "Checks", "Coupling", "Record", "Scene", "SceneSummary", "UnitEntry", "available_scenes"]
 
@@ -63,14 +62,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
     def load(cls, path_or_name: str | Path, search: Iterable[Path] = ()) -> Scene:
         """The scene in a file, or of a name in one of the directories of ``search`` or among the shipped ones. Raises
         `SceneError`."""
-        path = _path(path_or_name, (*search, SHIPPED))
-        try:
-            text = path.read_text("utf-8")
-            data = tomllib.loads(text)
-        except (OSError, UnicodeDecodeError) as error:
-            raise SceneError(f"cannot be read: {error}", file=path) from error
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise SceneError(f"is not valid TOML: {error}", file=path) from error
+        path = find_file(path_or_name, (*search, SHIPPED), "scene")
+        text, data = read_toml(path)
         return replace(cls.from_dict(data, path), source=text)
 
     @classmethod
@@ -165,17 +158,6 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
 def available_scenes() -> tuple[SceneSummary, ...]:
     """The shipped scenes by name. Raises ``SceneError`` for one that cannot be read."""
     return tuple(SceneSummary(path.stem, Scene.load(path).title) for path in sorted(SHIPPED.glob("*.toml")))
-
-
-def _path(path_or_name: str | Path, directories: tuple[Path, ...]) -> Path:
-    given = Path(path_or_name)
-    candidates = [given, *(d / f"{given.name}.toml" for d in directories if given.name == str(given))]
-    for path in candidates:
-        if path.is_file():
-            return path
-    names = sorted({path.stem for directory in directories for path in directory.glob("*.toml")})
-    hint = suggest(given.stem, names) or f"; known scenes: {', '.join(names) or 'none'}"
-    raise SceneError(f"no such file or scene{hint}", file=given)
 
 
 def _read(data: dict[str, Any], file: Path | None) -> Scene:

@@ -1,9 +1,11 @@
-"""From the tables of a file to structures: unknown keys, wrong types, times and connections, each fault with its key."""
+"""From a TOML file to tables to structures: unknown keys, wrong types, times and connections, each fault with its key."""
 
 from __future__ import annotations
 
 import functools
 import re
+import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, get_type_hints
 
@@ -15,6 +17,30 @@ from towage.scene.parts import Seconds
 
 S = TypeVar("S", bound=msgspec.Struct)
 _CONNECTION = re.compile(r"\s*([^.\s]+)\.(.+?)\s*->\s*([^.\s]+)\.(.+?)\s*")
+
+
+def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
+    """(text, tables) of a TOML file. Raises `SceneError` where it cannot be read or is no TOML."""
+    try:
+        text = path.read_text("utf-8")
+        return text, tomllib.loads(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise SceneError(f"cannot be read: {error}", file=path) from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise SceneError(f"is not valid TOML: {error}", file=path) from error
+
+
+def find_file(given: str | Path, directories: Iterable[Path], what: str) -> Path:
+    """The path ``given``, or the TOML file of that name in one of ``directories``. Raises `SceneError` that lists what
+    there is; ``what``: scene or route."""
+    path, places = Path(given), tuple(directories)
+    named = [directory / f"{path.name}.toml" for directory in places if path.name == str(path)]
+    for candidate in (path, *named):
+        if candidate.is_file():
+            return candidate
+    names = sorted({file.stem for directory in places for file in directory.glob("*.toml")})
+    hint = suggest(path.stem, names) or f"; known {what}s: {', '.join(names) or 'none'}"
+    raise SceneError(f"no such file or {what}{hint}", file=path)
 
 
 class Tables:

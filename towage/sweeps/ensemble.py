@@ -63,13 +63,13 @@ def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int
     made."""
     if members.message[k]:
         return "not judged", members.message[k]
-    found = [
+    margins = [
         Margin(name, float(values[k]), np.nan, name not in scene.checks.report_only)
         for name, values in ((name.removeprefix(_MARGIN), v) for name, v in columns.items() if name.startswith(_MARGIN))
     ]
-    judged = verdict([item_of(found)])
+    judged = verdict([item_of(margins)])
     if judged.word == "invalid":
-        return judged.word, f"{min((m for m in found if m.decides), key=lambda m: m.worst).variable} is negative"
+        return judged.word, f"{min((m for m in margins if m.decides), key=lambda m: m.worst).variable} is negative"
     if _left_out(scene):
         return "not judged", "no margin that decides is negative; the comparison needs a second run"
     return judged.word, judged.reason

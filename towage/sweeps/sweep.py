@@ -79,10 +79,10 @@ class Sweep:
         be native are found so."""
         if self.flavour != "auto":
             return self.flavour
-        found = resolve(self.scene, self.fmus, "auto").units
+        units = resolve(self.scene, self.fmus, "auto").units
         shipped = {name: entry.fmu for name, entry in self.scene.units.items() if not entry.fmu.endswith(".fmu")}
         able = [name for name, fmu in shipped.items() if fmu in UNITS.own and not UNITS.get(fmu).not_native]
-        return "native" if able and all(found[name].flavour == "native" for name in able) else "python"
+        return "native" if able and all(units[name].flavour == "native" for name in able) else "python"
 
     def run(
         self,

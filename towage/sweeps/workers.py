@@ -173,16 +173,16 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
             thread.start()
         while ended < len(crew):
             try:
-                found = rows.get(timeout=LOOK)
+                ended_run = rows.get(timeout=LOOK)
             except queue.Empty:
                 yield None
                 continue
-            if isinstance(found, BaseException):
-                raise found
-            if isinstance(found, Worker):
+            if isinstance(ended_run, BaseException):
+                raise ended_run
+            if isinstance(ended_run, Worker):
                 ended += 1
             else:
-                yield found
+                yield ended_run
     finally:
         for worker in crew:
             worker.stop()
