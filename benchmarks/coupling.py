@@ -61,7 +61,7 @@ def work_precision() -> None:
         for scheme in reversed(SCHEMES.own):
             errors, costs = [], []
             for steps in STEPS:
-                master = Master(problem(case, scheme, steps))
+                master = Master(problem(case, scheme, steps), flavour="python")
                 result = master.run()
                 heave, _ = solve(master.resolved, result.time)
                 errors.append(float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave))))
@@ -85,7 +85,7 @@ def error_control() -> None:
                 coupling=replace(scene.coupling, step=None, tolerance=tolerance),
                 record=replace(scene.record, interval=2.0 * math.pi),
             )
-            master = Master(scene)
+            master = Master(scene, flavour="python")
             result = master.run()
             heave, _ = solve(master.resolved, result.time)
             error = float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave)))

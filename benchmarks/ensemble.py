@@ -44,7 +44,7 @@ def main(chosen: list[str]) -> None:
     plan = [(share, accuracy) for share in SHARES for accuracy in ACCURACIES]
     for name in chosen:
         scene = bare(name)
-        master = Master(scene)
+        master = Master(scene, flavour="python")
         middle = float(master.resolved.units["ship"].parameters["heave_amplitude"])  # type: ignore[arg-type]
         begin = time.perf_counter()
         ensemble = Ensemble(scene, {VARIED: middle * np.linspace(0.5, 1.5, MEMBERS)})

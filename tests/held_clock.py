@@ -1,17 +1,23 @@
 """A clock for supervised processes that stands still, so that no test depends on the speed of the machine.
 
 A unit of a test that hangs leaves the id of its process in the directory `HUNG` of the environment first, by
-``announce`` or as ``hostile.c`` does; for that process alone time passes.
+``announce`` or as ``hostile.c`` does; for that process alone time passes. ``python -m tests.held_clock`` is ``towage``
+with this clock, and a dask worker that preloads this module has it too.
 """
 
 from __future__ import annotations
 
+import os
+import sys
 from collections import defaultdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import pytest
-
+from towage import cli
 from towage.process import child
+
+if TYPE_CHECKING:
+    import pytest
 
 HUNG = "TOWAGE_TEST_HUNG"
 """Environment variable: the directory in which processes that hang leave their ids."""
@@ -42,3 +48,13 @@ def hold(monkeypatch: pytest.MonkeyPatch, directory: Path) -> HeldClock:
     monkeypatch.setattr(child, "CLOCK", clock)
     monkeypatch.setenv(HUNG, str(directory))
     return clock
+
+
+def dask_setup(worker: object) -> None:
+    """Hold the clock of a dask worker."""
+    child.CLOCK = HeldClock(Path(os.environ[HUNG]))
+
+
+if __name__ == "__main__":
+    child.CLOCK = HeldClock(Path(os.environ[HUNG]))
+    sys.exit(cli.main(sys.argv[1:]))

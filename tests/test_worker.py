@@ -145,7 +145,7 @@ def assert_partial(result: Result, end: float = 1.0) -> None:
 def test_foreign_unit_runs_and_equals_the_run_in_this_process(hostile: Path) -> None:
     heard: list[tuple[float, str]] = []
     isolated = run_isolated(resolve(scene(hostile, "none")), report=lambda share, text: heard.append((share, text)))
-    here = Master(scene(hostile, "none")).run()
+    here = Master(scene(hostile, "none"), flavour="python").run()
     assert isolated.status == here.status == "done"
     assert isolated.time[-1] == STOP
     assert isolated["winch.force"] == pytest.approx(isolated.time)

@@ -145,7 +145,7 @@ def test_structure_follows_the_values(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flavour, "_build", note)
     monkeypatch.setattr(flavour, "native_place", lambda *_: Path("no/such/place/tow_system.fmu"))
     scene = Scene.load("tow_report_sample")
-    scene = replace(scene, connections=(), cases=(), checks=replace(scene.checks, sdof=None))
+    scene = replace(scene, connections=(), cases=(), checks=scene.checks.without("sdof"))
     fixed = scene.units["tow"].parameters | {"segments": 7.0, "extensible": 0.0}
     for parameters in (scene.units["tow"].parameters, fixed):
         units = {"tow": replace(scene.units["tow"], parameters=parameters)}

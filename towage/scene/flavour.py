@@ -17,6 +17,7 @@ from typing import Literal, get_args
 from msgspec.structs import replace
 
 from towage.errors import FmuError
+from towage.registry import UNITS
 from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
 from towage.units.archive import read_description
@@ -68,7 +69,7 @@ def _chosen(unit: ResolvedUnit, shipped: str, fmus: Path | None, flavour: Flavou
     given = flavour_of(unit.description)
     if flavour == "python" and given != "python":
         raise FmuError(f"is {given}, and the flavour python is asked for", file=unit.path)
-    if flavour == "python" or given != "python" or load(shipped).not_native:
+    if flavour == "python" or given != "python" or shipped not in UNITS.own or load(shipped).not_native:
         return unit
     beside = fmus / "native" / f"{shipped}.fmu" if fmus else None
     if flavour == "auto" and not (beside and beside.is_file()) and not _cached(shipped):
