@@ -27,7 +27,8 @@ from pathlib import Path
 from typing import Any
 
 from ..declare.unit import Unit
-from .instance import FAILED, CallError, Instance, StepError
+from .instance import Instance
+from .values import FAILED, CallError, StepError
 
 DISCARD, ERROR = 2, 3
 BUILD = (__package__ or "").partition(".")[0]
