@@ -22,7 +22,7 @@ import numpy as np
 from moordyn_tow import FREQUENCY, SPEED, harmonic, tow_case
 
 from towage.master.master import Master
-from towage.models.cable.lumped.linear import LinearModel, tow_elastic
+from towage.models.cable.lumped.linear import StateSpace, tow_elastic
 from towage.models.cable.lumped.nonlinear import nonlinear_cable
 from towage.models.cable.lumped.reduction import reduce
 from towage.models.cable.steady.perturbation import Excitation
@@ -76,13 +76,14 @@ def timed(call: Callable[[], float]) -> float:
     return min(call() for _ in range(3))
 
 
-def linear(model: LinearModel, step: float) -> tuple[float, float]:
+def linear(model: StateSpace, step: float) -> tuple[float, float]:
     """(error, ms a simulated second) of the exact step, bare."""
     operators = exact_step(model.a, model.b, step)
     periods, per = 24, round(5.0 / step)
     omega, a = FREQUENCY, AMPLITUDE
 
     def coefficients(t: float) -> np.ndarray:
+        """Heave velocity and its derivatives over their factorials, as the step takes its inputs."""
         s, c = math.sin(omega * t), math.cos(omega * t)
         table = np.zeros((4, 4))
         table[:, 1] = a * omega * c, -a * omega**2 * s, -a * omega**3 * c / 2.0, a * omega**4 * s / 6.0
@@ -99,6 +100,7 @@ def linear(model: LinearModel, step: float) -> tuple[float, float]:
     force = np.array([harmonic(times, column) for column in np.array(rows).T]) / a
 
     def once() -> float:
+        """ms a simulated second, of four periods."""
         state, count = np.zeros(len(model.a)), 4 * per
         begin = time.process_time()
         for k in range(count):
@@ -115,6 +117,7 @@ def nonlinear(segments: int, step: float) -> tuple[float, float]:
     cable, omega, a = nonlinear_cable(tow_case(), segments), FREQUENCY, AMPLITUDE
 
     def motion(t: float) -> np.ndarray:
+        """Velocity of the towpoint, and the forces on the body."""
         s = min(t / 10.0, 1.0)
         r, rate = s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 3.0 * s * s * (1.0 - s) ** 2
         return np.array([0.0, a * (r * omega * math.cos(omega * t) + rate * math.sin(omega * t)), 0.0, 0.0])

@@ -71,6 +71,7 @@ def fmpy_methods(description: Description, directory: Path, count: int) -> float
     k = 0
 
     def step() -> None:
+        """Set, step and get once."""
         nonlocal k
         t = k * STEP
         s, c = a * math.sin(w * t), a * w * math.cos(w * t)
@@ -94,6 +95,7 @@ def raw_calls(description: Description, directory: Path, by_function: bool, coun
     place, buffer, k = unit.inputs[name], unit.input_buffer, 0
 
     def step() -> None:
+        """Set, step and get once."""
         nonlocal k
         t = k * STEP
         s, c, d = a * math.sin(w * t), a * w * math.cos(w * t), place.derivatives
@@ -149,6 +151,7 @@ def cable_step(folder: Path, host: Path) -> None:
     n, held, shown = 80, 4 * 4, 48 + 8  # states; inputs times powers of time; outputs and rates of states
 
     def products(*sizes: int) -> float:
+        """us of matrix products of these sizes."""
         return float(output([program, "20000", *map(str, sizes)]).split()[0])
 
     rows = {
@@ -226,6 +229,8 @@ def memory() -> float:
     """What malloc has given away in this process (glibc), kB."""
 
     class Statistics(Structure):
+        """``struct mallinfo2``."""
+
         _fields_ = tuple((name, c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks",
                                                        "fsmblks", "uordblks", "fordblks", "keepcost"))  # fmt: skip
 

@@ -46,6 +46,7 @@ def bare(name: str, case: str | None) -> Scene:
 
 
 def error(computed: Array, exact: Array) -> float:
+    """Largest difference over the largest exact value."""
     return float(np.max(np.abs(computed - exact)) / np.max(np.abs(exact)))
 
 

@@ -88,7 +88,10 @@ def by_isochrones(problem: Problem, step: float) -> float | None:
     medium, start = problem.medium, datetime.datetime(2020, 1, 1)
 
     class Field(weatherrouting.Grib):  # type: ignore[misc,name-defined,unused-ignore]
+        """The waves as the wind that the package expects: feet of height as knots."""
+
         def get_wind_at(self, t: datetime.datetime, lat: float, lon: float) -> tuple[float, float]:
+            """(bearing that the waves come from, degrees; height, ft, as a speed in m/s)."""
             one = np.ones(1)
             sea = medium.field.at(lon * 60.0 * MILE * one, lat * 60.0 * MILE * one, (t - start).total_seconds() * one)
             bearing = 90.0 - math.degrees(math.atan2(sea.ky[0], sea.kx[0]))

@@ -23,8 +23,9 @@ from towage.fmus.slender_body import UNIT
 from towage.models.numeric.matrix_ops import numbers
 from towage.models.numeric.ops import FLOATS
 from towage.models.slender import body as slender_body
-from towage.models.slender import plant as slender_plant
+from towage.models.slender import prepared as slender_prepared
 from towage.models.slender import series as slender_series
+from towage.models.slender import setup as slender_setup
 from towage.models.slender.coefficients import Body, coefficients
 from towage.models.slender.damping import fast_mode_damping
 from towage.models.slender.modes import matrices, roots, spectrum
@@ -129,10 +130,10 @@ def modes_table() -> None:
     print("\nThe series has no spectrum of its own: its roots are sought from the exact ones, which flatters it.\n")
 
 
-def base(**changes: float) -> slender_plant.Parameters:
+def base(**changes: float) -> slender_setup.Parameters:
     """The unit's default parameters."""
     values = {v.name: float(v.start or 0.0) for v in UNIT.parameters} | {"bending_stiffness": 2830.194553649008}
-    return slender_plant.Parameters(**(values | changes))
+    return slender_setup.Parameters(**(values | changes))
 
 
 def step_table() -> None:
@@ -142,7 +143,7 @@ def step_table() -> None:
     for n in (2, 6, 10, 14, 18, 24):
         p = base(flexible=0.0) if n == 2 else base(shape_functions=float(n))
         x, m = slender_body.initial(p, FLOATS)
-        made = slender_plant.plant(p)
+        made = slender_prepared.prepare(p)
         counter = iter(range(10**6))
 
         def held(p=p, x=x, m=m) -> object:  # type: ignore[no-untyped-def]
@@ -173,11 +174,11 @@ class Ramp:
 
     def __init__(self) -> None:
         self.parameters = base()
-        self.plant = slender_plant.plant(self.parameters)
+        self.prepared = slender_prepared.prepare(self.parameters)
         # A and b are quadratic in u: three values give them at all speeds
-        a0, a1, a2 = (self.plant.system.companion(u) for u in (0.0, 1.0, 2.0))
+        a0, a1, a2 = (self.prepared.system.companion(u) for u in (0.0, 1.0, 2.0))
         self.companion = a0, (4.0 * a1 - 3.0 * a0 - a2) / 2.0, (a2 - 2.0 * a1 + a0) / 2.0
-        self.load = self.plant.system.load(1.0)
+        self.load = self.prepared.system.load(1.0)
 
     def speed(self, t: float) -> float:
         """Tow speed, m/s."""
@@ -201,28 +202,28 @@ class Ramp:
             w = (a, da, (3.0 * slope - 2.0 * da - db) / h, (da + db - 2.0 * slope) / h**2)
             x = slender_body.advance(t, h, x, m, [(self.speed(t), 1.5 / self.stop, 0.0, 0.0), w], p, FLOATS)
             if abs((t + h) / 0.4 - round((t + h) / 0.4)) < 1e-9:
-                rows.append(self.plant.points[:2] @ np.array(x[: self.plant.n]))
+                rows.append(self.prepared.points[:2] @ np.array(x[: self.prepared.n]))
         return np.array(rows)
 
     def matrix(self, t: float) -> Array:
         """Of the linear equations at the speed of t, 1/s."""
-        u = self.speed(t) / self.plant.speed
+        u = self.speed(t) / self.prepared.speed
         a0, a1, a2 = self.companion
-        return np.asarray((a0 + u * (a1 + u * a2)) / self.plant.tau)
+        return np.asarray((a0 + u * (a1 + u * a2)) / self.prepared.tau)
 
     def rates(self, t: float, z: Array) -> Array:
         """Derivatives of the states."""
-        u = self.speed(t) / self.plant.speed
-        return np.asarray(self.matrix(t) @ z + (u * u * self.craft(t) / self.plant.tau) * self.load)
+        u = self.speed(t) / self.prepared.speed
+        return np.asarray(self.matrix(t) @ z + (u * u * self.craft(t) / self.prepared.tau) * self.load)
 
     def general(self, method: str, rtol: float) -> tuple[Array, int]:
         """(the same points by an integrator of scipy, its evaluations)."""
         extra = {} if method == "RK45" else {"jac": lambda t, z: self.matrix(t)}
         run = solve_ivp(
-            self.rates, (0.0, self.stop), np.zeros(2 * self.plant.n), method, rtol=rtol, atol=1e-3 * rtol,
+            self.rates, (0.0, self.stop), np.zeros(2 * self.prepared.n), method, rtol=rtol, atol=1e-3 * rtol,
             t_eval=np.linspace(0.4, self.stop, 50), **extra,
         )  # fmt: skip
-        return (self.plant.points[:2] @ run.y[: self.plant.n]).T, int(run.nfev)
+        return (self.prepared.points[:2] @ run.y[: self.prepared.n]).T, int(run.nfev)
 
 
 def integrators_table() -> None:

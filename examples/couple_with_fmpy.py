@@ -29,9 +29,11 @@ class Unit:
         self.fmu.exitInitializationMode()
 
     def set(self, **values):
+        """Set variables by name, SI."""
         self.fmu.setReal([self.reference[n] for n in values], list(values.values()))
 
     def get(self, *names):
+        """Values of variables by name, SI."""
         return self.fmu.getReal([self.reference[n] for n in names])
 
 
@@ -43,6 +45,7 @@ def cubic(name, a, a_rate, b, b_rate):
 
 
 def main(directory):
+    """Couple the FMUs of a directory."""
     ship = Unit(directory / "ship.fmu", heave_amplitude=0.6, heave_period=8.0, ramp_time=16.0, mass=9.1e5,
                 stiffness=2.3e6, damping=1.5e5)  # fmt: skip
     line = Unit(directory / "spring_line.fmu", stiffness=3.3e4, static_tension=8e4)

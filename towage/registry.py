@@ -52,6 +52,10 @@ class Registry:
                 )
         return self._loaded[name]
 
+    def place(self, name: str) -> str:
+        """Where the value called ``name`` is, as "module:attribute". Raises ``KeyError`` if there is none."""
+        return self.own[name] if name in self.own else self._foreign[name].value
+
     def names(self) -> tuple[str, ...]:
         """All names, the project's own first. Nothing is imported. Raises `TowageError` if two packages bring one name."""
         return (*self.own, *sorted(self._foreign))

@@ -13,7 +13,7 @@ from towage.fmus.declare.unit import load
 from towage.fmus.native import build as native_fmu
 from towage.fmus.native.build import RUNTIME
 from towage.fmus.native.compiler import compiler, host
-from towage.fmus.native.trace import Traced
+from towage.fmus.native.traced import Traced
 
 HOST = Path(__file__).parent / "host"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{RUNTIME}")

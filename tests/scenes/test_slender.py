@@ -18,7 +18,7 @@ from towage.master.master import Master
 from towage.models.heave import ship
 from towage.models.numeric.ops import FLOATS
 from towage.models.slender import sway_craft
-from towage.models.slender.plant import plant
+from towage.models.slender.prepared import prepare
 from towage.result.result import Finding, Result
 from towage.scene.scene import Checks, Scene
 from towage.tow_stability.stability import bodies
@@ -51,7 +51,7 @@ def monolithic(chosen: Scene, h: float) -> tuple[Array, Array]:
     """(tail, craft lateral), m, every h of body and craft as one linear system, its matrix that of mid-step: exact for
     the free sway as a cubic over h, and of fourth order in h then at constant speed."""
     towed = bodies(chosen)[0]
-    made, n = plant(towed.parameters), plant(towed.parameters).n
+    made, n = prepare(towed.parameters), prepare(towed.parameters).n
     resolved = Master(chosen, flavour="python").resolved.units["craft"]
     values = {v.name: v.start for v in resolved.description.variables if v.causality == "parameter"}
     p = sway_craft.Parameters(

@@ -165,6 +165,7 @@ def terminable() -> Iterator[None]:
         return
 
     def interrupt(number: int, frame: object) -> NoReturn:
+        """The handler of the signal."""
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGTERM, interrupt)

@@ -154,8 +154,8 @@ def _indicators(runs: Sequence[Run]) -> str:
 def _margins(runs: Sequence[Run]) -> str:
     worst = [{margin.variable: margin for margin in run.result.margins} for run in runs]
     rows = [
-        (name, *(f"{number(worst_of[name].worst)} at {moment(worst_of[name].time)}" if name in worst_of else "–" for worst_of in worst))
-        for name in dict.fromkeys(name for worst_of in worst for name in worst_of)
+        (name, *(f"{number(run[name].worst)} at {moment(run[name].time)}" if name in run else "–" for run in worst))
+        for name in dict.fromkeys(name for run in worst for name in run)
     ]
     return "<h2>Margins</h2>" + _side_by_side("Margin", rows, runs) if rows else ""
 

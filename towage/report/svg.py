@@ -110,6 +110,7 @@ def _without_plain_groups(svg: str) -> str:
     plain: list[bool] = []
 
     def keep(tag: re.Match[str]) -> str:
+        """The tag, or nothing where its group is plain."""
         if tag[0].endswith("/>"):
             return ""
         if tag[0] != "</g>":

@@ -48,6 +48,7 @@ def read(
     content = _variables(path)
 
     def find(what: str, needed: bool = True) -> tuple[Array, str] | None:
+        """(values, unit of measure) of the variable for ``what``; None where there is none and none is ``needed``."""
         for name in (names[what],) if what in names else NAMES[what]:
             if name in content:
                 return content[name]

@@ -116,6 +116,7 @@ class _Reader(Tables):
         return str(value)
 
     def route(self, data: dict[str, Any]) -> RouteFile:
+        """What the whole file says."""
         self.known(data, "")
         route, ship, sea = (self.part(data, key) for key in ("route", "ship", "sea"))
         kind = self.choice(self.part(data, "map", needed=False), "map.kind", ("flat", "sphere"), "flat")

@@ -22,6 +22,7 @@ import msgspec
 
 from towage import __version__
 from towage.errors import SceneError
+from towage.registry import UNITS
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import described
 from towage.scene.scene import Scene
@@ -76,13 +77,11 @@ class Sweep:
     def pinned(self) -> Flavour:
         """``auto`` decided once, not by every run from what the cache happens to hold then: native if all units that can
         be native are found so."""
-        from towage.fmus.declare.unit import load
-
         if self.flavour != "auto":
             return self.flavour
         units = resolve(self.scene, self.fmus, "auto").units
         shipped = {name: entry.fmu for name, entry in self.scene.units.items() if not entry.fmu.endswith(".fmu")}
-        able = [name for name, fmu in shipped.items() if not load(fmu).not_native]
+        able = [name for name, fmu in shipped.items() if fmu in UNITS.own and not UNITS.get(fmu).not_native]
         return "native" if able and all(units[name].flavour == "native" for name in able) else "python"
 
     def run(

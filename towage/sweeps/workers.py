@@ -152,6 +152,7 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
     crew = [Worker(setup) for _ in range(min(workers, len(tasks)))]
 
     def serve(worker: Worker) -> None:
+        """Do runs until none is left; a row, the worker at its end, or an error goes to the queue."""
         try:
             while True:
                 with lock:
@@ -196,6 +197,7 @@ def main() -> None:
     requests = queue.SimpleQueue[Any]()
 
     def read() -> None:
+        """Take requests in, and end with the parent."""
         try:
             while True:
                 requests.put(pickle.load(commands))
@@ -211,6 +213,7 @@ def main() -> None:
     from towage.sweeps import row as sweep_row  # noqa: F401 - what all runs need
 
     def report(share: float, text: str) -> None:
+        """Tell the parent of progress."""
         say({"share": share, "text": text})
 
     now = digests(setup.scene, setup.fmus, setup.flavour)

@@ -15,7 +15,8 @@ import numpy as np
 from towage.errors import SceneError
 from towage.files import atomic_write
 from towage.fmus.slender_body import UNIT
-from towage.models.slender import plant as slender_plant
+from towage.models.slender import prepared as slender_prepared
+from towage.models.slender import setup as slender_setup
 from towage.models.slender.coefficients import Body
 from towage.models.slender.rigid import neutral_tail_cut, yaw_criterion
 from towage.scene.resolve import described
@@ -36,18 +37,18 @@ class Towed:
     """A unit `slender.body` of a scene: its name, SI parameters and the dimensionless body."""
 
     name: str
-    parameters: slender_plant.Parameters
+    parameters: slender_setup.Parameters
     body: Body
 
     @property
     def speed_scale(self) -> float:
         """Tow speed at u = 1, m/s."""
-        return slender_plant.plant(self.parameters).speed
+        return slender_prepared.prepare(self.parameters).speed
 
     @property
     def time_scale(self) -> float:
         """tau, s."""
-        return slender_plant.plant(self.parameters).tau
+        return slender_prepared.prepare(self.parameters).tau
 
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
@@ -59,11 +60,10 @@ def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
             continue
         given: dict[str, Value] = unit.parameters
         values = {v.name: float(given.get(v.name, v.start or 0.0)) for v in UNIT.parameters}
-        p = slender_plant.Parameters(**values)
-        problem = slender_plant.problem(p)
-        if problem:
-            raise scene.error(problem, f"units.{name}.parameters")
-        towed.append(Towed(name, p, slender_plant.body(p)))
+        p = slender_setup.Parameters(**values)
+        if refusal := slender_setup.refusal(p):
+            raise scene.error(refusal, f"units.{name}.parameters")
+        towed.append(Towed(name, p, slender_setup.body(p)))
     if not towed:
         raise SceneError(f"no unit of the scene is a {UNIT.name}", file=scene.file, key="units")
     return towed
