@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from towage.errors import FmuError, RunError, SceneError, TowageError
 from towage.scene import scene as scene_module
-from towage.scene.resolve import Connection, ResolvedScene, check_all, described
+from towage.scene.resolve import ResolvedConnection, ResolvedScene, check_all, described
 from towage.scene.scene import Scene, available_scenes
 from towage.units.store import Locate
 
@@ -333,7 +333,7 @@ def test_resolved_connections_convert_between_units_of_one_dimension(fmus: Path)
     resolved = resolve(data(connections=["ship.heave -> line.top_feet", "ship.margin_sdof -> line.untyped"]), fmus)
     first, second = resolved.connections
     assert first[:4] == ("ship", "heave", "line", "top_feet") and first.factor == pytest.approx(1 / FEET, rel=1e-15)
-    assert second == Connection("ship", "margin_sdof", "line", "untyped", 1.0)
+    assert second == ResolvedConnection("ship", "margin_sdof", "line", "untyped", 1.0)
     assert str(second) == "ship.margin_sdof -> line.untyped"
 
 
