@@ -37,7 +37,7 @@ def test_page_of_the_units_names_every_variable() -> None:
     page = runpy.run_path(str(ROOT / "docs" / "make_units.py"))["page"](units)
     for unit in units:
         section = page.partition(f"\n## {unit.name}\n")[2].partition("\n## ")[0]
-        for variable in (*unit.parameters, *unit.inputs, *unit.outputs):
+        for variable in (*unit.parameters, *unit.inputs, *unit.observed):
             assert f"| `{variable.name}` | {variable.unit} |" in section, f"{unit.name}: {variable.name}"
 
 
