@@ -26,6 +26,11 @@ from ...models.numeric import ops
 from ...models.protocol.model import AnyModel, Record
 
 MODELS = ops.__name__.removesuffix("numeric.ops")
+STEPPED = (
+    "derivatives", "outputs", "advance", "indicators", "transition", "next_event_time",
+    "drive", "core", "observe", "own_after", "schedule", "check_step",
+)  # fmt: skip
+"""Functions that take components by position: those that are called in every step."""
 BY_POSITION = ("derivatives", "outputs", "transition", "advance", "observe")
 """Functions whose results are read by position."""
 
@@ -41,8 +46,8 @@ def floats(model: AnyModel) -> AnyModel:
 
 
 def _inlined_functions(record: Record) -> dict[str, Any]:
-    """The functions of values in a record, inlined."""
-    values = {field.name: getattr(record, field.name) for field in fields(record)}  # type: ignore[arg-type]
+    """The functions of a record that every step calls, inlined."""
+    values = {field.name: getattr(record, field.name) for field in fields(record) if field.name in STEPPED}  # type: ignore[arg-type]
     return {name: _inlined(value) for name, value in values.items() if isinstance(value, FunctionType)}
 
 
@@ -62,11 +67,13 @@ def _of_models(module: ModuleType) -> bool:
 
 @cache
 def inlined_module(module: ModuleType) -> Any:
-    """The names of ``module``, with its functions (and those of the models it imports) for floats."""
+    """The names of ``module``, with its functions, and those that take ``ops`` of what it imports, for floats."""
     names = dict(vars(module))
     for name, value in vars(module).items():
         if isinstance(value, ModuleType) and hasattr(value, "Ops"):
             names[name] = inlined_module(value)
+        elif isinstance(value, FunctionType) and value.__annotations__.get("ops") == "Ops":
+            names[name] = _inlined(value) if value.__module__ != module.__name__ else value
     tree = ast.parse(inspect.getsource(module))
     tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     inlined = ast.fix_missing_locations(_Inline(names).visit(tree))
