@@ -64,7 +64,7 @@ def test_a_field_needs_no_more_than_its_line() -> None:
     longer = names["Record"]
     longer.__module__ = parts.__name__
     assert issubclass(longer, msgspec.Struct)
-    assert parts.Record.__annotations__.items() <= longer.__annotations__.items(), "the page shows the structure as it is now, and one field more"
+    assert parts.Record.__annotations__.items() <= longer.__annotations__.items(), "as it is now, and one field more"
     record = Tables(None).structure({"after": "2 min", "interval": 0.5}, longer, "record")
     assert (record.after, record.interval) == (120.0, 0.5)
     with pytest.raises(SceneError, match="did you mean 'after'"):
