@@ -22,7 +22,6 @@ from scipy.linalg import eig
 from towage.fmus.slender_body import UNIT
 from towage.models.numeric.matrix_ops import numbers
 from towage.models.numeric.ops import FLOATS
-from towage.models.slender import body as slender_body
 from towage.models.slender import prepared as slender_prepared
 from towage.models.slender import series as slender_series
 from towage.models.slender import setup as slender_setup
@@ -32,6 +31,7 @@ from towage.models.slender.modes import matrices, roots, spectrum
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+MODEL = UNIT.model
 SPEEDS = (0.7, 4.0, 8.0, 12.0)
 BODY = Body()
 MOVING = (0.0, 0.05, 0.0, 0.0)
@@ -142,18 +142,18 @@ def step_table() -> None:
     print("|---|---|---|---|---|")
     for n in (2, 6, 10, 14, 18, 24):
         p = base(flexible=0.0) if n == 2 else base(shape_functions=float(n))
-        x, m = slender_body.initial(p, FLOATS)
+        x, m = MODEL.initial(p, FLOATS)
         made = slender_prepared.prepare(p)
         counter = iter(range(10**6))
 
         def held(p=p, x=x, m=m) -> object:  # type: ignore[no-untyped-def]
             """200 steps at one speed."""
-            return [slender_body.advance(0.0, 0.1, x, m, [(2.7, 0.0, 0.0, 0.0), MOVING], p, FLOATS) for _ in range(200)]
+            return [MODEL.advance(0.0, 0.1, x, m, MODEL.Inputs((2.7, 0.0, 0.0, 0.0), MOVING), p, FLOATS) for _ in range(200)]
 
         def new(p=p, x=x, m=m, counter=counter) -> object:  # type: ignore[no-untyped-def]
             """A step at a speed that was not there before."""
             speed = 2.7 + 1e-6 * next(counter)
-            return slender_body.advance(0.0, 0.1, x, m, [(speed, 0.0, 0.0, 0.0), MOVING], p, FLOATS)
+            return MODEL.advance(0.0, 0.1, x, m, MODEL.Inputs((speed, 0.0, 0.0, 0.0), MOVING), p, FLOATS)
 
         def growth(made=made, counter=counter) -> object:  # type: ignore[no-untyped-def]
             """Modes at a speed that was not there before."""
@@ -192,7 +192,7 @@ class Ramp:
     def exact(self, h: float) -> Array:
         """By the unit's step of ``h`` s, every 0.4 s."""
         p = self.parameters
-        x, m = slender_body.initial(p, FLOATS)
+        x, m = MODEL.initial(p, FLOATS)
         rows = []
         for k in range(round(self.stop / h)):
             t = k * h
@@ -200,7 +200,7 @@ class Ramp:
             da, db = 0.05 * math.cos(0.5 * t), 0.05 * math.cos(0.5 * (t + h))
             slope = (b - a) / h
             w = (a, da, (3.0 * slope - 2.0 * da - db) / h, (da + db - 2.0 * slope) / h**2)
-            x = slender_body.advance(t, h, x, m, [(self.speed(t), 1.5 / self.stop, 0.0, 0.0), w], p, FLOATS)
+            x = MODEL.advance(t, h, x, m, MODEL.Inputs((self.speed(t), 1.5 / self.stop, 0.0, 0.0), w), p, FLOATS)
             if abs((t + h) / 0.4 - round((t + h) / 0.4)) < 1e-9:
                 rows.append(self.prepared.points[:2] @ np.array(x[: self.prepared.n]))
         return np.array(rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import json
@@ -37,7 +38,7 @@ def test_page_of_the_units_names_every_variable() -> None:
     page = runpy.run_path(str(ROOT / "docs" / "make_units.py"))["page"](units)
     for unit in units:
         section = page.partition(f"\n## {unit.name}\n")[2].partition("\n## ")[0]
-        for variable in (*unit.parameters, *unit.inputs, *unit.outputs):
+        for variable in (*unit.parameters, *unit.inputs, *unit.observed):
             assert f"| `{variable.name}` | {variable.unit} |" in section, f"{unit.name}: {variable.name}"
 
 
@@ -82,6 +83,18 @@ def test_links_lead_somewhere() -> None:
         for link in re.findall(r"\]\(([^)#]+)", file.read_text(encoding="utf-8")):
             target = file.parent / link
             assert link.startswith("https:") or target.exists() or made(target), f"{file.name}: {link}"
+
+
+@pytest.mark.parametrize("file", ["README.md", "docs/ensemble.md", "docs/sweeps.md", "docs/how_to_add.md"])
+def test_what_code_in_the_pages_names_exists(file: str) -> None:
+    blocks = re.findall(r"^```python.*?\n(.*?)^```$", (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    assert blocks
+    for node in (node for block in blocks for node in ast.walk(ast.parse(block))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("towage."):
+            module = importlib.import_module(node.module)
+            assert [alias.name for alias in node.names if not hasattr(module, alias.name)] == [], node.module
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "towage":
+            assert node.attr in towage.__all__
 
 
 def made(path: Path) -> bool:

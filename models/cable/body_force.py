@@ -20,8 +20,8 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..numeric import ramp
 from ..numeric.ops import Ops, Value
+from ..numeric.ramp import ramp
 from ..protocol.model import AnyModel, Model
 from ..protocol.variables import Rate, input_variable, output, parameter
 
@@ -70,21 +70,17 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     return State(), Modes()
 
 
-def oscillation(
-    t: Value, amplitude: Value, phase: Value, p: Parameters, ops: Ops
-) -> tuple[Value, Value]:
-    """r a sin(omega t + phase), N, and its rate, N/s."""
-    omega = 2.0 * math.pi / p.period
-    r, r1, _ = ramp.ramp(t, p.ramp_time, ops)
-    angle = omega * t + phase
-    return amplitude * r * ops.sin(angle), amplitude * (r1 * ops.sin(angle) + omega * r * ops.cos(angle))
-
-
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """The forces and their rates."""
-    drag, drag_rate = oscillation(t, p.drag_amplitude, p.drag_phase, p, ops)
-    lift, lift_rate = oscillation(t, p.lift_amplitude, p.lift_phase, p, ops)
-    return Outputs(drag, lift + u.offset_lift, drag_rate, lift_rate + du.offset_lift)
+    omega = 2.0 * math.pi / p.period
+    r, r1, _ = ramp(t, p.ramp_time, ops)
+    drag, lift = omega * t + p.drag_phase, omega * t + p.lift_phase
+    return Outputs(
+        p.drag_amplitude * r * ops.sin(drag),
+        p.lift_amplitude * r * ops.sin(lift) + u.offset_lift,
+        p.drag_amplitude * (r1 * ops.sin(drag) + omega * r * ops.cos(drag)),
+        p.lift_amplitude * (r1 * ops.sin(lift) + omega * r * ops.cos(lift)) + du.offset_lift,
+    )
 
 
 BODY_FORCE: AnyModel = Model(

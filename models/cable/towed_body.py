@@ -110,7 +110,10 @@ def indicators(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops)
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables."""
     surge, heave, velocity_surge, velocity_heave = x
-    return Outputs(surge, heave, velocity_surge, velocity_heave, *derivatives(t, x, m, u, p, ops))
+    _, _, rate_surge, rate_heave = derivatives(t, x, m, u, p, ops)
+    return Outputs(
+        surge, heave, velocity_surge, velocity_heave, velocity_surge, velocity_heave, rate_surge, rate_heave
+    )
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:

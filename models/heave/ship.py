@@ -20,12 +20,11 @@ of free motion and response is exact because the oscillator is linear.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..numeric import ramp
 from ..numeric.ops import Ops, Value
+from ..numeric.oscillator import acceleration, driven, exact_oscillation, margin_small, natural
 from ..protocol.model import Model
 from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output, parameter, state, tunable
 
@@ -108,16 +107,7 @@ class Calculated(NamedTuple):
 
 def free_motion(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value, Value]:
     """Free heave, m, its rate, m/s, and acceleration, m/s2."""
-    omega = 2.0 * math.pi / p.heave_period
-    phase = omega * t + p.heave_phase
-    sine, cosine = ops.sin(phase), ops.cos(phase)
-    r, r1, r2 = ramp.ramp(t, p.ramp_time, ops)
-    a = p.heave_amplitude
-    return (
-        a * r * sine,
-        a * (r1 * sine + omega * r * cosine),
-        a * ((r2 - omega * omega * r) * sine + 2.0 * omega * r1 * cosine),
-    )
+    return driven(t, p.heave_amplitude, p.heave_period, p.heave_phase, p.ramp_time, ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -127,61 +117,32 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Oscillator, ops: Ops) -> State:
     """x' of the response."""
-    return State(
-        x.response_rate, (-u.reaction - p.damping * x.response_rate - p.stiffness * x.response) / p.mass
-    )
+    z, rate = x
+    return State(rate, acceleration(z, rate, -u.reaction, p.mass, p.damping, p.stiffness))
 
 
-def advance(
-    t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Oscillator, ops: Ops
-) -> State:
-    """Exact step of length ``h``, s, for R(t + s) = r0 + r1 s + r2 s^2 + r3 s^3 (``cubics.reaction``): the particular
-    solution is a cubic too, the rest is the free oscillation in closed form (under- or overdamped)."""
-    omega2 = p.stiffness / p.mass
-    decay = 0.5 * p.damping / p.mass
+def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Oscillator, ops: Ops) -> State:
+    """Exact step of length ``h``, s, for a reaction that is a cubic of time."""
+    z, rate = x
     r0, r1, r2, r3 = cubics.reaction
-    inverse = -1.0 / p.stiffness
-    delay = p.damping / p.stiffness
-    q3 = inverse * r3
-    q2 = inverse * r2 - 3.0 * delay * q3
-    q1 = inverse * r1 - 2.0 * delay * q2 - 6.0 * q3 / omega2
-    q0 = inverse * r0 - delay * q1 - 2.0 * q2 / omega2
-    z, rate = x.response - q0, x.response_rate - q1
-    difference = omega2 - decay * decay
-    b = ops.sqrt(ops.abs(difference))
-    safe = ops.where(b * h > 1e-8, b, 1.0)
-    fast, slow = ops.exp(-(decay + b) * h), ops.exp(-ops.abs(decay - b) * h)
-    envelope = ops.exp(-decay * h)
-    oscillates = difference > 0.0
-    c = ops.where(oscillates, envelope * ops.cos(b * h), 0.5 * (slow + fast))
-    s = ops.where(
-        b * h > 1e-8,
-        ops.where(oscillates, envelope * ops.sin(b * h), 0.5 * (slow - fast)) / safe,
-        envelope * h,
-    )
-    mixed = rate + decay * z
-    return State(
-        c * z + s * mixed + q0 + h * (q1 + h * (q2 + h * q3)),
-        c * rate - s * (omega2 * z + decay * rate) + q1 + h * (2.0 * q2 + h * 3.0 * q3),
-    )
+    z, rate = exact_oscillation(h, z, rate, (-r0, -r1, -r2, -r3), p.mass, p.damping, p.stiffness, ops)
+    return State(z, rate)
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), e = ``sdof_tolerance``: the one-degree-of-freedom models assume
     that the line does not move the ship (1 where the free motion has no amplitude)."""
-    free, rate, acceleration = free_motion(t, p, ops)
+    free, rate, free_rate2 = driven(t, p.heave_amplitude, p.heave_period, p.heave_phase, p.ramp_time, ops)
     z, z_rate = x
-    _, z_rate2 = derivatives(t, x, m, u, p, ops)
-    limit = p.sdof_tolerance * ops.abs(p.heave_amplitude)
-    margin = ops.where(limit > 0.0, 1.0 - ops.abs(z) / ops.where(limit > 0.0, limit, 1.0), 1.0)
+    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
+    small = margin_small(z, p.heave_amplitude, p.sdof_tolerance, ops)
     velocity = rate + z_rate
-    return Outputs(free + z, velocity, free, margin, velocity, acceleration + z_rate2, rate)
+    return Outputs(free + z, velocity, free, small, velocity, free_rate2 + z_rate2, rate)
 
 
 def calculated(p: Oscillator, ops: Ops) -> Calculated:
     """Constants of the heave oscillator."""
-    omega = ops.sqrt(p.stiffness / p.mass)
-    return Calculated(p.mass, omega, 0.5 * p.damping / (p.mass * omega))
+    return Calculated(p.mass, *natural(p.mass, p.damping, p.stiffness, ops))
 
 
 SHIP = Model(

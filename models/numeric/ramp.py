@@ -13,8 +13,9 @@ def ramp(t: Value, duration: Value, ops: Ops) -> tuple[Value, Value, Value]:
     scale = ops.where(duration > 0.0, 1.0 / ops.where(duration > 0.0, duration, 1.0), 0.0)
     s = ops.where(duration > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
     r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
-    r2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * scale * scale
+    rest = 1.0 - s
+    r1 = 30.0 * s * s * rest * rest * scale
+    r2 = 60.0 * s * rest * (1.0 - 2.0 * s) * scale * scale
     return r, r1, r2
 
 

@@ -117,7 +117,7 @@ class LinearModel(Record):
 
     def as_model(self) -> AnyModel:
         """What a unit, an instance and a composition know of it: a model that makes its own steps."""
-        prepared, describe, check, states = self.prepared, self.describe, self.check_step, len(self.Own._fields)
+        prepared, describe, states = self.prepared, self.describe, len(self.Own._fields)
 
         def initial(p: Any, ops: Ops) -> tuple[tuple[Value, ...], NoModes]:
             unit = prepared(p)
@@ -127,8 +127,6 @@ class LinearModel(Record):
             return (0.0,) * (unit.states + states), NoModes()
 
         def advance(t: Value, h: Value, x: Numbers, m: Any, cubics: Any, p: Any, ops: Ops) -> tuple[float, ...]:
-            if check:
-                check(h, cubics)
             return prepared(p).advance(h, x, cubics)
 
         def outputs(t: Value, x: Numbers, m: Any, u: Any, du: Any, p: Any, ops: Ops) -> Any:
@@ -157,7 +155,7 @@ class LinearUnit:
         below = model.studied(model.size_of(parameters)).growth_below
         self._growth_below: float = getattr(self.constants, below) if below else 0.0
         self._drive, self._core, self._observe, self._schedule = model.drive, model.core, model.observe, model.schedule
-        self._own_after, self._named = model.own_after, not model.by_position
+        self._own_after, self._check_step, self._named = model.own_after, model.check_step, not model.by_position
         # per object: matrices of a run that is over must not stay
         kept = lru_cache(maxsize=KEPT)
         self._operator, self._rows, self._growth = kept(self._new_operator), kept(self._new_rows), kept(self._new_growth)
@@ -192,6 +190,8 @@ class LinearUnit:
         own, s, model = x[n:], 0.0, self.model
         if self._named:
             own, cubics = model.Own._make(own), model.Inputs._make(cubics)
+        if self._check_step:
+            self._check_step(h, cubics)
         if self._schedule:
             half = 0.5 * h
             middle = [a0 + half * (a1 + half * (a2 + half * a3)) for a0, a1, a2, a3 in cubics]

@@ -38,6 +38,7 @@ from typing import Annotated, NamedTuple
 
 from ..heave import ship
 from ..numeric.ops import FLOATS, Ops, Value
+from ..numeric.oscillator import acceleration, exact_oscillation
 from ..numeric.ramp import ramp, ramp_integral
 from ..protocol.model import Model, Requirement
 from ..protocol.variables import Rate, input_variable, margin, output, parameter
@@ -294,8 +295,7 @@ def _carry(total: float, low: float, more: float) -> tuple[float, float]:
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of the response, as `ship.advance`, and the looks that fall due within the step."""
-    at, reaction = ship.State(x.response, x.response_rate), ship.Inputs(cubics.reaction)
-    z, z_rate = ship.advance(t, h, at, ship.Modes(), reaction, p, ops)
+    z, z_rate = _responded(h, x, cubics, p, ops)
     x = State(z, z_rate, *x[2:18], 1.0)
     interval = p.update_interval
     while True:
@@ -304,6 +304,13 @@ def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameter
             return x
         s = due - t
         x = _looked(x, sea_of(Inputs(*(a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in cubics))), interval)
+
+
+def _responded(h: Value, x: State, cubics: Inputs, p: Parameters, ops: Ops) -> tuple[Value, Value]:
+    """The response to the line and its rate after ``h``, s."""
+    r0, r1, r2, r3 = cubics.reaction
+    force = -r0, -r1, -r2, -r3
+    return exact_oscillation(h, x.response, x.response_rate, force, p.mass, p.damping, p.stiffness, ops)
 
 
 def _looked(x: State, sea: Sea, interval: Value) -> State:
@@ -322,19 +329,19 @@ def _looked(x: State, sea: Sea, interval: Value) -> State:
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), a the significant amplitude of the free heave."""
-    value, rate, acceleration, variance = free_motion(t, x, p)
+    value, rate, rate2, variance = free_motion(t, x, p)
     r, r1, r2 = ramp(t, p.ramp_time, ops)
     free, free_rate = r * value, r * rate + r1 * value
-    free_rate2 = r * acceleration + 2.0 * r1 * rate + r2 * value
-    at = ship.State(x.response, x.response_rate)
-    z_rate, z_rate2 = ship.derivatives(t, at, ship.Modes(), ship.Inputs(u.reaction), p, ops)
+    free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
+    z, z_rate = x.response, x.response_rate
+    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
     deviation = math.sqrt(variance)
     limit = 2.0 * p.sdof_tolerance * deviation
-    sdof = 1.0 - abs(x.response) / limit if limit > 0.0 else 1.0
+    sdof = 1.0 - abs(z) / limit if limit > 0.0 else 1.0
     speed = max(abs(x.old_speed), abs(x.new_speed))
     froude = 1.0 - speed / math.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
     return Outputs(
-        free + x.response, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(*_seas(x), p),
+        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(*_seas(x), p),
         free_rate + z_rate, free_rate2 + z_rate2, free_rate,
     )  # fmt: skip
 

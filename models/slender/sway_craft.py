@@ -24,9 +24,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..heave import ship
-from ..numeric import ramp
 from ..numeric.ops import Ops, Value
+from ..numeric.oscillator import acceleration, driven, exact_oscillation, margin_small, natural
+from ..numeric.ramp import ramp
 from ..protocol.model import Model
 from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output, parameter, state
 
@@ -60,7 +60,8 @@ class State(NamedTuple):
     response_rate: Annotated[Value, state("m/s", "Its time derivative")]
 
 
-Modes = ship.Modes
+class Modes(NamedTuple):
+    """No branches."""
 
 
 class Inputs(NamedTuple):
@@ -95,16 +96,9 @@ class Calculated(NamedTuple):
     damping_ratio: Annotated[Value, calculated_parameter("1", "c / (2 sqrt(k m))")]
 
 
-def oscillator(p: Parameters) -> ship.Parameters:
-    """The craft as the oscillator of `ship`."""
-    return ship.Parameters(
-        p.sway_amplitude, p.sway_period, p.sway_phase, p.ramp_time, p.mass, p.damping, p.stiffness, p.sdof_tolerance
-    )
-
-
 def tow_speed(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
     """U, m/s, and its rate, m/s2."""
-    r, r1, _ = ramp.ramp(t - p.speed_change_start, p.speed_change_time, ops)
+    r, r1, _ = ramp(t - p.speed_change_start, p.speed_change_time, ops)
     change = ops.where(p.speed_change_time > 0.0, p.speed_end - p.speed_start, 0.0)
     return p.speed_start + change * r, change * r1
 
@@ -116,32 +110,29 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
     """x' of the response."""
-    at = ship.State(x.response, x.response_rate)
-    rate, acceleration = ship.derivatives(t, at, m, ship.Inputs(-u.lateral_force), oscillator(p), ops)
-    return State(rate, acceleration)
+    z, rate = x
+    return State(rate, acceleration(z, rate, u.lateral_force, p.mass, p.damping, p.stiffness))
 
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of ``h``, s, for a force that is a cubic of time."""
-    at, reaction = ship.State(x.response, x.response_rate), ship.Inputs([-a for a in cubics.lateral_force])
-    response, rate = ship.advance(t, h, at, m, reaction, oscillator(p), ops)
-    return State(response, rate)
+    z, rate = x
+    z, rate = exact_oscillation(h, z, rate, cubics.lateral_force, p.mass, p.damping, p.stiffness, ops)
+    return State(z, rate)
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
-    """All observables."""
-    at, reaction, rate = ship.State(x.response, x.response_rate), -u.lateral_force, -du.lateral_force
-    lateral, _, free, sdof, lateral_rate, _, free_rate = ship.outputs(
-        t, at, m, ship.Inputs(reaction), ship.Inputs(rate), oscillator(p), ops
-    )
+    """All observables; ``margin_sdof`` as of `ship`."""
+    free, free_rate, _ = driven(t, p.sway_amplitude, p.sway_period, p.sway_phase, p.ramp_time, ops)
+    z, rate = x
+    small = margin_small(z, p.sway_amplitude, p.sdof_tolerance, ops)
     speed, speed_rate = tow_speed(t, p, ops)
-    return Outputs(lateral, free, speed, sdof, lateral_rate, free_rate, speed_rate)
+    return Outputs(free + z, free, speed, small, free_rate + rate, free_rate, speed_rate)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Constants of the oscillator."""
-    mass, frequency, ratio = ship.calculated(oscillator(p), ops)
-    return Calculated(mass, frequency, ratio)
+    return Calculated(p.mass, *natural(p.mass, p.damping, p.stiffness, ops))
 
 
 SWAY_CRAFT = Model(

@@ -108,7 +108,7 @@ def time_domain(inputs: Values, expected: Values) -> Values:
     model = slender_body.SLENDER_BODY
     x, modes = model.initial(p, FLOATS)
     assert model.advance is not None
-    x = model.advance(0.0, t, x, modes, [(speed, 0.0, 0.0, 0.0), (w, 0.0, 0.0, 0.0)], p, FLOATS)
+    x = model.advance(0.0, t, x, modes, model.Inputs((speed, 0.0, 0.0, 0.0), (w, 0.0, 0.0, 0.0)), p, FLOATS)
     outputs = model.outputs(
         t, x, modes, slender_body.Inputs(speed, w), slender_body.Inputs(0.0, 0.0), p, FLOATS
     )
