@@ -10,16 +10,10 @@ import numpy as np
 
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
+from towage.report.svg import save_figure
 
 if TYPE_CHECKING:
     from towage.checks.towing import Gain, SceneTow
-
-
-def _save(figure: object, path: Path) -> None:
-    import matplotlib
-
-    with matplotlib.rc_context({"svg.hashsalt": "towage"}):
-        figure.savefig(path, format="svg", metadata={"Date": None})  # type: ignore[attr-defined]
 
 
 def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
@@ -40,7 +34,7 @@ def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
         axes[1, column].set(xlabel="frequency, Hz", ylabel="phase, rad")
         axes[0, column].legend()
     figure.suptitle(f"{tow.name}: response of the tow")
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
@@ -66,4 +60,4 @@ def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
         axis.set(xlabel="distance from the body, m", ylabel=name)
         axis.legend()
     figure.suptitle(f"{tow.name} at {omega / (2.0 * math.pi):.4g} Hz")
-    _save(figure, path)
+    save_figure(figure, path)

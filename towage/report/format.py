@@ -82,6 +82,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], numeric: Sequen
     side = [' class="num"' if column in numeric else "" for column in range(len(head))]
 
     def cells(tag: str, values: Sequence[object]) -> str:
+        """One row."""
         return "".join(f"<{tag}{kind}>{text(value)}</{tag}>" for kind, value in zip(side, values, strict=True))
 
     body = "".join(f"<tr>{cells('td', row)}</tr>\n" for row in rows)

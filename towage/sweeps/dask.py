@@ -49,6 +49,7 @@ def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[R
     ended = queue.SimpleQueue[Any]()
 
     def hand_out(task: Task) -> None:
+        """Give a run to the scheduler, under a key of its own."""
         tries[task.index] = tries.get(task.index, 0) + 1
         key = f"towage-{sweep}-{task.index}-{tries[task.index]}"
         future = client.submit(work, sweep, shared, task, pure=False, key=key)

@@ -61,12 +61,12 @@ class Journal:
         if torn:
             self._file.truncate(len(whole) + 1 if whole else 0)
         lines = whole.split(b"\n") if whole else []
-        found = [self._parsed(line, number) for number, line in enumerate(lines, 1)]
-        if not found:
+        parsed = [self._parsed(line, number) for number, line in enumerate(lines, 1)]
+        if not parsed:
             self._write({"sweep": identity})
             return
-        self._compare(found[0].get("sweep"), identity)
-        for number, fields in enumerate(found[1:], 2):
+        self._compare(parsed[0].get("sweep"), identity)
+        for number, fields in enumerate(parsed[1:], 2):
             try:
                 row = Row(**fields)
             except TypeError:

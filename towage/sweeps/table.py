@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.sweeps.design import Design
 from towage.sweeps.row import Row
 

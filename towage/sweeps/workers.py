@@ -152,6 +152,7 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
     crew = [Worker(setup) for _ in range(min(workers, len(tasks)))]
 
     def serve(worker: Worker) -> None:
+        """Do runs until none is left; a row, the worker at its end, or an error goes to the queue."""
         try:
             while True:
                 with lock:
@@ -173,16 +174,16 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
             thread.start()
         while ended < len(crew):
             try:
-                found = rows.get(timeout=LOOK)
+                ended_run = rows.get(timeout=LOOK)
             except queue.Empty:
                 yield None
                 continue
-            if isinstance(found, BaseException):
-                raise found
-            if isinstance(found, Worker):
+            if isinstance(ended_run, BaseException):
+                raise ended_run
+            if isinstance(ended_run, Worker):
                 ended += 1
             else:
-                yield found
+                yield ended_run
     finally:
         for worker in crew:
             worker.stop()
@@ -196,6 +197,7 @@ def main() -> None:
     requests = queue.SimpleQueue[Any]()
 
     def read() -> None:
+        """Take requests in, and end with the parent."""
         try:
             while True:
                 requests.put(pickle.load(commands))
@@ -208,10 +210,10 @@ def main() -> None:
     setup, directory = requests.get()
     watch(directory)
     mark = Mark(directory / "mark")
-    mark.watch()
     from towage.sweeps import row as sweep_row  # noqa: F401 - what all runs need
 
     def report(share: float, text: str) -> None:
+        """Tell the parent of progress."""
         say({"share": share, "text": text})
 
     now = digests(setup.scene, setup.fmus, setup.flavour)
@@ -222,23 +224,23 @@ def main() -> None:
     say({"ready": True})
     task = requests.get()  # of which nothing is said until its time moves on: units are loaded for the first time
     while True:
-        say(vars(_serve(setup, task, report)))
+        say(vars(_serve(setup, task, mark, report)))
         task = requests.get()
         mark.note(b"", b"", math.nan)
         report(0.0, "initialisation")
 
 
-def _serve(setup: Setup, task: Task, report: Report) -> Row:
+def _serve(setup: Setup, task: Task, mark: Mark, report: Report) -> Row:
     """The row of a run done in this process."""
     import traceback
 
     from towage.master.master import Master
-    from towage.sweeps.design import with_values
+    from towage.sweeps.design import VARY
     from towage.sweeps.row import Row, row
 
     try:
-        scene = with_values(setup.scene, dict(task.values))
-        master = Master(scene, None, setup.fmus, setup.flavour)
+        scene = setup.scene.setting(task.values, VARY)
+        master = Master(scene, None, setup.fmus, setup.flavour, mark.unit)
         return row(task.index, master.run(report), master.resolved)
     except TowageError as error:
         return Row(task.index, "failed" if isinstance(error, RunError) else "refused", message=_without_file(error))

@@ -102,8 +102,8 @@ def steady_orbit(inputs: Values, expected: Values) -> Values:
 def attractors(inputs: Values, expected: Values) -> Values:
     """All periodic motions reached, each at the section point nearest to the expected one, in the expected order."""
     w = inputs.get("w")
-    found, _ = orbits.attractors(dimensionless_system(inputs["B"], inputs["r"], w), inputs["initial_states"])
-    points = [(orbit, point) for orbit in found for point in orbit.section]
+    reached, _ = orbits.attractors(dimensionless_system(inputs["B"], inputs["r"], w), inputs["initial_states"])
+    points = [(orbit, point) for orbit in reached for point in orbit.section]
     ordered: list[dict[str, Any]] = []
     for want in expected.get("attractors", ()):
         if not points:

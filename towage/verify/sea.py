@@ -123,11 +123,11 @@ def saddles(given: route.Problem, guess: float) -> list[float]:
 
 
 def _distinct(times: Any) -> list[float]:
-    found: list[float] = []
+    minima: list[float] = []
     for time in np.sort(times):
-        if not found or time > found[-1] * (1.0 + 1e-6):
-            found.append(float(time))
-    return found
+        if not minima or time > minima[-1] * (1.0 + 1e-6):
+            minima.append(float(time))
+    return minima
 
 
 def route_times(inputs: Values, expected: Values) -> Values:

@@ -92,11 +92,12 @@ def _cases(text: str, file: Path) -> list[Mapping[str, Any]]:
 
 
 def check(case: Mapping[str, Any]) -> CaseResult:
-    """Compute one case and compare it; whatever goes wrong becomes a failed result."""
+    """Compute one case of a file and compare it; whatever goes wrong becomes a result that does not agree."""
     kind, rtol = case["kind"], float(case.get("rtol", DEFAULT_RTOL))
     name = str(case.get("name", ""))
 
     def failed(message: str) -> CaseResult:
+        """A result without numbers."""
         return CaseResult(name, kind, math.nan, rtol, False, message)
 
     if kind not in SOLVERS:
