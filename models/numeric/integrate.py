@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from .root import Bracket
+
 Vector = tuple[float, ...]
 Rates = Callable[[float, Vector], Sequence[float]]
 Indicators = Callable[[float, Vector], Sequence[float]]
@@ -282,30 +284,26 @@ def _locate(
             start, g_start = s, g_s
     if blind > 100.0 * BLIND:  # nothing but rounding changes the sign that often: go on
         width = max(width, blind * h)
-    low, g_low, g_high, last = start, g_start[which], g_new[which], 0
+    bracket = Bracket(start, g_start[which], high, g_new[which], width)
     slow = 0
     for _ in range(200):
-        size = high - low
+        size = bracket.size
         if size <= width:
             break
-        if slow < 2 and g_high != g_low:  # halved values may underflow, both to zero
-            s = high - g_high * size / (g_high - g_low) + 0.3 * width
+        if slow < 2 and not bracket.flat:
+            s = bracket.secant()
         else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
-            s, slow = low + 0.5 * size, 0
-        s = s if s > low + 0.5 * width else low + 0.5 * width  # also where s is no number
-        s = min(s, high - 0.5 * width)
+            s, slow = bracket.middle(), 0
         y_s, f_s, g_s, changed = ahead(s)
         if changed < 0:
-            low, g_low = s, g_s[which]
-            g_high *= 0.5 if last < 0 else 1.0
-            last = -1
-        elif changed != which:  # another indicator changes before this one
-            high, y, f_new, g_new, which = s, y_s, f_s, g_s, changed
-            low, g_low, g_high, last = start, g_start[which], g_s[which], 0
-            size = 2.0 * high
+            bracket.raise_low(s, g_s[which])
         else:
-            high, y, f_new, g_new, g_high = s, y_s, f_s, g_s, g_s[which]
-            g_low *= 0.5 if last > 0 else 1.0
-            last = 1
-        slow = slow + 1 if high - low > 0.5 * size else 0
-    return high, y, f_new, g_new
+            y, f_new, g_new = y_s, f_s, g_s
+            if changed == which:
+                bracket.lower_high(s, g_s[which])
+            else:  # another indicator changes before this one
+                which = changed
+                bracket.restart(start, g_start[which], s, g_s[which])
+                size = 2.0 * s
+        slow = slow + 1 if bracket.size > 0.5 * size else 0
+    return bracket.high, y, f_new, g_new

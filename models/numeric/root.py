@@ -14,24 +14,29 @@ from __future__ import annotations
 
 
 class Bracket:
-    """Where the zero is: between ``low`` = 0, where the function has the value ``g_low``, and ``high`` with ``g_high``
-    of the other sign, until they are ``width`` apart."""
+    """Where the zero is: between ``low``, where the function has the value ``g_low``, and ``high`` with ``g_high`` of the
+    other sign, until they are ``width`` apart."""
 
     __slots__ = ("_g_high", "_g_low", "_last", "high", "low", "width")
 
-    def __init__(self, g_low: float, high: float, g_high: float, width: float) -> None:
+    def __init__(self, low: float, g_low: float, high: float, g_high: float, width: float) -> None:
         self.width = width
-        self.restart(g_low, high, g_high)
+        self.restart(low, g_low, high, g_high)
 
-    def restart(self, g_low: float, high: float, g_high: float) -> None:
-        """Another function has a zero before ``high``: its values at 0 and there."""
-        self.low, self.high, self._last = 0.0, high, 0
+    def restart(self, low: float, g_low: float, high: float, g_high: float) -> None:
+        """Begin anew, for another function perhaps."""
+        self.low, self.high, self._last = low, high, 0
         self._g_low, self._g_high = g_low, g_high
 
     @property
     def size(self) -> float:
         """The distance of both ends."""
         return self.high - self.low
+
+    @property
+    def flat(self) -> bool:
+        """Whether the rule has no next place: values that are halved may both underflow to zero."""
+        return self._g_high == self._g_low
 
     def secant(self) -> float:
         """The place that the rule tries next."""
@@ -43,8 +48,9 @@ class Bracket:
         return self._inside(self.low + 0.5 * (self.high - self.low))
 
     def _inside(self, place: float) -> float:
-        """``place``, at least half a width off both ends."""
-        return min(max(place, self.low + 0.5 * self.width), self.high - 0.5 * self.width)
+        """``place``, at least half a width off both ends, also where it is no number."""
+        first = self.low + 0.5 * self.width
+        return min(place if place > first else first, self.high - 0.5 * self.width)
 
     def raise_low(self, place: float, value: float) -> None:
         """The function has not changed sign at ``place``."""
