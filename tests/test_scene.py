@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from towage.errors import FmuError, RunError, SceneError, TowageError
 from towage.scene import scene as scene_module
-from towage.scene.resolve import Connection, ResolvedScene, check_all, described
+from towage.scene.resolve import ResolvedConnection, ResolvedScene, check_all, described
 from towage.scene.scene import Scene, available_scenes
 from towage.units.store import Locate
 
@@ -333,7 +333,7 @@ def test_resolved_connections_convert_between_units_of_one_dimension(fmus: Path)
     resolved = resolve(data(connections=["ship.heave -> line.top_feet", "ship.margin_sdof -> line.untyped"]), fmus)
     first, second = resolved.connections
     assert first[:4] == ("ship", "heave", "line", "top_feet") and first.factor == pytest.approx(1 / FEET, rel=1e-15)
-    assert second == Connection("ship", "margin_sdof", "line", "untyped", 1.0)
+    assert second == ResolvedConnection("ship", "margin_sdof", "line", "untyped", 1.0)
     assert str(second) == "ship.margin_sdof -> line.untyped"
 
 
@@ -600,3 +600,49 @@ def test_round_trip_through_toml(stop_time: float, title: str) -> None:
     document = f'title = "{text}"\nstop_time = "{stop_time!r} s"\n[coupling]\ntolerance = 1e-3\n[units.a]\nfmu = "a"\n'
     scene = Scene.from_dict(tomllib.loads(document))
     assert (scene.title, scene.stop_time) == (title, stop_time)
+
+
+def test_a_case_is_a_scene_of_its_own_and_keeps_its_name() -> None:
+    cases = [{"name": "long", "set": {"stop_time": "200 s"}}, {"name": "other", "set": {"ship.mass": 1.0}}]
+    scene = Scene.from_dict(data(cases=cases))
+    long = scene.case("long")
+    assert (long.chosen, long.cases, scene.chosen) == ("long", (), "")
+    assert long.setting({"ship.mass": 2.0}, "test").chosen == "long"
+    with pytest.raises(SceneError, match="unknown case 'other'"):
+        long.case("other")
+
+
+def test_a_scene_is_its_tables() -> None:
+    whole = data(
+        checks={"sdof": SDOF, "report_only": ["line.margin_taut"]},
+        cases=[{"name": "long", "set": {"stop_time": "200 s"}}],
+        record={"interval": "1 s"},
+    )
+    scene = Scene.from_dict(whole)
+    tables = scene.to_dict()
+    assert Scene.from_dict(tables) == scene and tables["checks"]["sdof"]["settle"] == 0.0
+    assert tables["coupling"]["step"] == 0.1 and tables["coupling"]["tolerance"] is None
+
+
+def test_values_prevail_over_those_of_cases() -> None:
+    cases = [{"name": "a", "set": {"ship.mass": 1.0, "coupling.step": "1 s"}}, {"name": "b"}]
+    scene = Scene.from_dict(data(cases=cases)).with_values({"ship.mass": 3.0, "coupling.tolerance": 1e-4})
+    for name in "ab":
+        chosen = scene.case(name)
+        assert chosen.units["ship"].parameters["mass"] == 3.0
+        assert (chosen.coupling.step, chosen.coupling.tolerance) == (None, 1e-4)
+
+
+def test_variants_are_resolved_with_the_scene(fmus: Path) -> None:
+    resolved = resolve(data(checks={"sdof": SDOF}), fmus)
+    estimate, one_way = resolved.variants
+    assert (estimate.name, estimate.scene, estimate.coarse) == ("error estimate", None, True)
+    assert one_way.name == "one-way run" and not one_way.coarse
+    assert one_way.scene is not None and len(one_way.scene.connections) == 1 and one_way.scene.variants == ()
+    assert resolve(data(coupling={"step": 0.1, "error_estimate": False}), fmus).variants == ()
+    assert pickle.loads(pickle.dumps(resolved)) == resolved
+
+
+def test_checks_without_a_section_are_no_keys_of_a_scene() -> None:
+    for name in ("step", "error", "towing", "margins"):
+        refused(data(checks={name: {}}), f"checks.{name}", "unknown key")

@@ -380,8 +380,8 @@ def test_journal_holds_every_row_at_once(tmp_path: Path) -> None:
     recorder = Recorder(["a.x", "a.y"], tmp_path / "journal")
     for k in range(5):
         recorder.row(0.1 * k, [[float(k), math.pi]])
-    found, columns = read_journal(tmp_path / "journal")  # not closed
-    assert found.tobytes() == recorder.columns()[0].tobytes()
+    times, columns = read_journal(tmp_path / "journal")  # not closed
+    assert times.tobytes() == recorder.columns()[0].tobytes()
     assert columns["a.x"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
     recorder.close()
     with open(tmp_path / "journal", "r+b") as file:

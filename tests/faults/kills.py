@@ -45,9 +45,9 @@ def npz(directory: Path) -> tuple[Write, Check]:
     path = directory / "result.npz"
 
     def check() -> str:
-        found = Result.load_npz(path)
-        whole = found["a.x"].tobytes() == (np.arange(float(SAMPLES)) + int(found.title)).tobytes()
-        return f"content {found.title}" if whole else "torn"
+        result = Result.load_npz(path)
+        whole = result["a.x"].tobytes() == (np.arange(float(SAMPLES)) + int(result.title)).tobytes()
+        return f"content {result.title}" if whole else "torn"
 
     return lambda value: _result(value).save_npz(path), check
 
@@ -102,7 +102,7 @@ WRITERS = {f.__name__: f for f in (npz, csv, fmu, unpacking)}
 def main(name: str, count: int, seed: int) -> Counter[str]:
     """What was found after each of ``count`` kills."""
     chance = random.Random(seed)
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         directory = Path(folder)
         write, check = WRITERS[name](directory)
@@ -126,10 +126,10 @@ def main(name: str, count: int, seed: int) -> Counter[str]:
             os.kill(pid, signal.SIGKILL)
             _, status = os.waitpid(pid, 0)
             os.close(begun)
-            found["killed" if os.WIFSIGNALED(status) else "failed"] += 1
-            found[check()] += 1
-        found["left behind"] = sum(1 for entry in directory.iterdir() if entry.name.startswith("."))
-    return found
+            counts["killed" if os.WIFSIGNALED(status) else "failed"] += 1
+            counts[check()] += 1
+        counts["left behind"] = sum(1 for entry in directory.iterdir() if entry.name.startswith("."))
+    return counts
 
 
 if __name__ == "__main__":

@@ -84,10 +84,10 @@ def problem(case: Case, outcome: Outcome) -> str:
     return ""
 
 
-def _agree(wanted: float | None, found: float | None) -> bool:
-    if wanted is None or found is None:
-        return wanted == found or (wanted is not None and math.isnan(wanted))
-    return math.isnan(wanted) or abs(wanted - found) < 1e-9  # times are multiples of the step but for rounding
+def _agree(wanted: float | None, ended: float | None) -> bool:
+    if wanted is None or ended is None:
+        return wanted == ended or (wanted is not None and math.isnan(wanted))
+    return math.isnan(wanted) or abs(wanted - ended) < 1e-9  # times are multiples of the step but for rounding
 
 
 def scene(directory: Path, units: dict[str, Path], connections: list[str], **more: str) -> Path:

@@ -31,9 +31,9 @@ UNITS = 1000
 def _resident() -> int:
     """Memory of this process, bytes."""
     text = Path("/proc/self/status").read_text(encoding="ascii")
-    found = re.search(r"VmRSS:\s+(\d+) kB", text)
-    assert found
-    return int(found[1]) << 10
+    size = re.search(r"VmRSS:\s+(\d+) kB", text)
+    assert size
+    return int(size[1]) << 10
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--write",
         metavar="KINDS",
-        type=lambda text: tuple(name.strip() for name in text.split(",")),
+        type=kinds,
         default=DEFAULT_WRITERS,
         help="kinds of result files, with commas: csv, npz, mat, and those of other packages (default: csv,npz)",
     )
@@ -46,6 +46,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Every case is written to <case>.csv and <case>.npz, and one report.html shows them all.\n\n"
         "example:\n  towage run sea_cliff --case '8 s wave' --set ship.heave_amplitude='4 ft' --out out/sea_cliff"
     )
+
+
+def kinds(text: str) -> tuple[str, ...]:
+    """Names of writers, with commas between them."""
+    from towage.errors import suggest
+    from towage.registry import WRITERS
+
+    names = tuple(name.strip() for name in text.split(","))
+    for name in names:
+        if name not in WRITERS:
+            known = WRITERS.names()
+            hint = f"{suggest(name, known)}; expected some of: {', '.join(known)}"
+            raise argparse.ArgumentTypeError(f"unknown writer {name!r}{hint}")
+    return names
 
 
 class Outcome(NamedTuple):

@@ -19,7 +19,7 @@ from towage.export.export import Export, text
 from towage.files import atomic_write
 from towage.fmus.describe.fmi2 import document
 from towage.master.bonds import Bond, bonds
-from towage.scene.resolve import Connection
+from towage.scene.resolve import ResolvedConnection
 
 SYSTEM = "OspSystemStructure.xml"
 SYSTEM_NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
@@ -64,7 +64,7 @@ def ports(export: Export) -> list[Bond]:
     ]
 
 
-def _named(export: Export, connection: Connection) -> bool:
+def _named(export: Export, connection: ResolvedConnection) -> bool:
     """Whether both models have names that files can have, which is how the host finds their ports."""
     units = export.resolved.units
     ends = connection.source_unit, connection.target_unit

@@ -19,7 +19,7 @@ from towage.fmus.declare.quantities import dimension
 
 if TYPE_CHECKING:
     from towage.master.system import Signal, System
-    from towage.scene.resolve import Connection, ResolvedScene
+    from towage.scene.resolve import ResolvedConnection, ResolvedScene
 
 EFFORTS = {dimension("N"): False, dimension("N.m"): True}
 """Dimensions of efforts; the value says whether it turns."""
@@ -34,8 +34,8 @@ _WORD = re.compile("[^A-Za-z0-9]+")
 class Bond(NamedTuple):
     """The connections of an effort and of its motion. ``velocity``: else a displacement; ``turns``: moment and angle."""
 
-    effort: Connection
-    motion: Connection
+    effort: ResolvedConnection
+    motion: ResolvedConnection
     velocity: bool
     turns: bool
 
@@ -61,14 +61,14 @@ def bonds(scene: ResolvedScene) -> list[Bond]:
     ]
 
 
-def _dimension(scene: ResolvedScene, connection: Connection) -> tuple[int, ...] | None:
+def _dimension(scene: ResolvedScene, connection: ResolvedConnection) -> tuple[int, ...] | None:
     """Exponents of the base units of what the source sends; None if its unit is not declared."""
     description = scene.units[connection.source_unit].description
     definition = description.units.get(description.by_name()[connection.source].unit or "")
     return definition.exponents if definition else None
 
 
-def _words(connection: Connection) -> set[str]:
+def _words(connection: ResolvedConnection) -> set[str]:
     return {word.lower() for word in _WORD.split(f"{connection.source} {connection.target}") if word}
 
 

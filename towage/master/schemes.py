@@ -133,8 +133,8 @@ def implicit(system: System, time: float, step: float) -> float:
     for _ in range(MAX_ITERATIONS):
         _set_ends(system, used)
         _correct(system, time, step)
-        found = np.array(_ends(system))
-        residual = found - used
+        ends = np.array(_ends(system))
+        residual = ends - used
         size = float(np.max(np.abs(residual * weights)))
         if not size < math.inf:
             break
@@ -143,17 +143,17 @@ def implicit(system: System, time: float, step: float) -> float:
         if size < ITERATION_TOLERANCE or (size < ROUND_OFF and stalled):
             return _change(predicted)
         if before:
-            learned.append((residual - before[0], found - before[1]))
+            learned.append((residual - before[0], ends - before[1]))
             fresh += 1
-        before = residual, found
+        before = residual, ends
         kept = min(fresh, HISTORY) if stalled else HISTORY  # what an earlier step taught goes where it does not help
         del learned[: max(0, len(learned) - kept)]
-        used = found
+        used = ends
         if learned:
             changes = weights[:, None] * np.array([r for r, _ in learned]).T
             norms = np.linalg.norm(changes, axis=0) + 1e-300
             mixture = np.linalg.lstsq(changes / norms, -residual * weights, rcond=1e-10)[0]
-            used = found + np.array([f for _, f in learned]).T @ (mixture / norms)
+            used = ends + np.array([f for _, f in learned]).T @ (mixture / norms)
     raise RunError(
         f"the coupling did not converge in {MAX_ITERATIONS} iterations at a step of {step:g} s: try a smaller step, or "
         "join the tightly coupled units (cradle_on_line for a cradle on a stiff line)",

@@ -19,9 +19,9 @@ from towage.master.events import crossing, happened, indications, locate
 from towage.master.recorder import Recorder
 from towage.master.schemes import Scheme
 from towage.master.system import System
+from towage.master.trust import repeat
 from towage.result.result import Event
 from towage.units.fmu import StepRefused
-from towage.units.trust import repeat
 
 MERGE = 1e-6
 """A remainder shorter than this share of a step is merged with it."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from towage.scene.resolve import Connection, ResolvedScene, ResolvedUnit
+from towage.scene.resolve import ResolvedConnection, ResolvedScene, ResolvedUnit
 from towage.units.archive import unpacked
 from towage.units.fmu import Unit, UnitFactory
 from towage.units.wiring import Input, Wanted
@@ -28,7 +28,7 @@ SAME_STEP = 1e-6
 class Signal:
     """One connection at work. ``rated``: its source reports the rate; ``backward``: its source comes after its target."""
 
-    connection: Connection
+    connection: ResolvedConnection
     source: int
     target: int
     input: Input
@@ -96,7 +96,7 @@ class System:
             (i, unit.slot["next_event_time"]) for i, unit in enumerate(self.units) if "next_event_time" in unit.slot
         ]
 
-    def _signal(self, connection: Connection, number: dict[str, int]) -> Signal:
+    def _signal(self, connection: ResolvedConnection, number: dict[str, int]) -> Signal:
         source, target = number[connection.source_unit], number[connection.target_unit]
         slots = self.units[source].slot
         rate = slots.get(f"{connection.source}_rate", -1)

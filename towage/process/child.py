@@ -133,6 +133,7 @@ def attend() -> tuple[IO[bytes], Callable[[dict[str, Any]], None]]:
         os.dup2(nothing.fileno(), 0)
 
     def say(message: dict[str, Any]) -> None:
+        """Send one message to the parent; without a parent the process ends."""
         try:
             print(json.dumps(message), file=channel, flush=True)
         except OSError:  # the parent is gone

@@ -3,7 +3,7 @@
     with progress(stop_time, "8 s wave") as bar:
         bar.update(time)
 
-Nothing here can end the work it reports on: once stderr cannot be written, the bar falls silent.
+Nothing here can end the work it reports on: once stderr cannot be written, nothing more is shown.
 """
 
 from __future__ import annotations
@@ -117,6 +117,8 @@ class Bar:
 
 
 class _JsonBar(Bar):
+    """For another program: one JSON object a line."""
+
     def _show(self, state: str) -> None:
         print(json.dumps({**self.status(), "state": state}, allow_nan=False), file=sys.stderr, flush=True)
 

@@ -25,6 +25,7 @@ class Watched(Unit):
         advance = self.advance
 
         def noted(time: float, size: float) -> list[float]:
+            """As ``advance`` of `Unit`."""
             note(label, b"step", time)
             return advance(time, size)
 

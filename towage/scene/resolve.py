@@ -23,7 +23,7 @@ from towage.units.description import Description, Value
 from towage.units.store import Locate
 
 
-class Connection(NamedTuple):
+class ResolvedConnection(NamedTuple):
     """Target value = factor * source value."""
 
     source_unit: str
@@ -62,7 +62,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
 
     scene: Scene
     units: dict[str, ResolvedUnit]
-    connections: tuple[Connection, ...]
+    connections: tuple[ResolvedConnection, ...]
     record: tuple[tuple[str, str], ...]
     loops: tuple[str, ...]
     variants: tuple[ResolvedVariant, ...] = ()
@@ -135,7 +135,7 @@ def _bare(scene: Scene, names: Names) -> ResolvedScene:
     return ResolvedScene(scene, units, connections, names.record(), loops)
 
 
-def _connection(text: str, key: str, names: Names) -> Connection:
+def _connection(text: str, key: str, names: Names) -> ResolvedConnection:
     (source_unit, source), (target_unit, target) = (names.find(end, key) for end in text.split(" -> ", 1))
     for unit, variable, wanted in ((source_unit, source, "output"), (target_unit, target, "input")):
         if variable.causality != wanted:
@@ -146,11 +146,11 @@ def _connection(text: str, key: str, names: Names) -> Connection:
     if source.type != "Real":
         raise names.fault(f"{text!r} carries {source.type}: only Real signals are coupled", key)
     factor = names.factor(text, source_unit, source, target_unit, target, key)
-    return Connection(source_unit, source.name, target_unit, target.name, factor)
+    return ResolvedConnection(source_unit, source.name, target_unit, target.name, factor)
 
 
-def _check_single_sources(connections: tuple[Connection, ...], names: Names) -> None:
-    fed: dict[tuple[str, str], Connection] = {}
+def _check_single_sources(connections: tuple[ResolvedConnection, ...], names: Names) -> None:
+    fed: dict[tuple[str, str], ResolvedConnection] = {}
     for index, connection in enumerate(connections):
         first = fed.setdefault((connection.target_unit, connection.target), connection)
         if first is not connection:
@@ -207,7 +207,7 @@ def _check_loops(loops: tuple[str, ...], names: Names) -> None:
     )
 
 
-def _loops(connections: tuple[Connection, ...], descriptions: Mapping[str, Description]) -> list[tuple[str, ...]]:
+def _loops(connections: tuple[ResolvedConnection, ...], descriptions: Mapping[str, Description]) -> list[tuple[str, ...]]:
     """A shortest cycle through each output that can reach itself by connections and direct dependencies, each once."""
     after: dict[str, list[str]] = {}
     for c in connections:

@@ -114,6 +114,7 @@ class Unit:
         values_alone = bool(get_values) and not wiring.get_derivatives
 
         def advance(time: float, size: float) -> list[float]:
+            """One step from ``time`` by ``size``, s; returns the outputs."""
             if set_values:
                 status = set_real(component, *set_values)
                 if status:

@@ -34,6 +34,7 @@ def locator(directory: Path | None = None) -> Locate:
     (`towage.registry`) are always looked for in the cache too."""
 
     def locate(name: str) -> Path:
+        """The FMU. Raises ``LookupError`` for a name that is none, `FmuError` if it cannot be built."""
         if directory is not None:
             for path in (directory / f"{name}.fmu", directory / "native" / f"{name}.fmu"):
                 if path.is_file():
