@@ -34,8 +34,8 @@ _workers: dict[str, list[Worker]] = {}
 
 
 def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[Row | None]:
-    """As `run_here`, on the cluster whose scheduler is at ``address``. Raises `TowageError` without a cluster, and where
-    a run was lost over and over."""
+    """As `run_here`, on the cluster whose scheduler is at ``address``. Raises `TowageError` without a cluster, and for a
+    run that was lost `TRIES` times."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:

@@ -51,7 +51,7 @@ class Setup(NamedTuple):
 
 
 def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]:
-    """Of the FMU of every unit."""
+    """A hash of the FMU of every unit, by the unit's name."""
     from towage.scene.flavour import resolve
 
     units = resolve(scene, fmus, flavour).units
@@ -60,7 +60,7 @@ def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a sweep."""
+    """One run of a sweep: its index, and what it sets."""
 
     index: int
     values: dict[str, float | int]
@@ -145,8 +145,8 @@ class Worker:
 
 
 def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row | None]:
-    """Rows in the order in which runs end, done by ``workers`` processes of this machine; None now and then, so that the
-    caller gets a look in. Closing the iterator ends all processes."""
+    """Rows in the order in which runs end, done by ``workers`` processes of this machine; None every
+    `LOOK` seconds without one, so that the caller can do other work. Closing the iterator ends all processes."""
     left, ended = iter(tasks), 0
     lock, rows = threading.Lock(), queue.SimpleQueue[Any]()
     crew = [Worker(setup) for _ in range(min(workers, len(tasks)))]
@@ -192,7 +192,7 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
 
 
 def main() -> None:
-    """The child: does runs as they come, until the parent is gone."""
+    """The child process: does the runs that it is sent, until its parent ends."""
     commands, say = attend()
     requests = queue.SimpleQueue[Any]()
 
