@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 AHEAD = 3
 """Runs handed out for each thread of the cluster: one is done, the others hide the way there."""
 TRIES = 3
-"""Times that a run is handed out which the scheduler gives up because its dask workers died."""
+"""Times that a run is handed out again because its dask workers died."""
 ANSWER = 10.0
 """Longest wait for the scheduler, s."""
 _local = threading.local()

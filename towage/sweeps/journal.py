@@ -71,7 +71,7 @@ class Journal:
                 row = Row(**fields)
             except TypeError:
                 raise self._damaged(number) from None
-            if row.status != "defect":  # of towage, which may be mended: done again
+            if row.status != "defect":  # of towage: done again, since it may be corrected by now
                 self.rows.setdefault(row.index, row)
 
     def _parsed(self, line: bytes, number: int) -> dict[str, Any]:

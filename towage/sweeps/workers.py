@@ -1,8 +1,8 @@
 """Supervised workers of a sweep: processes that do run after run, and are replaced when one of these ends them.
 
 A crash, an exit or a hang costs its run and the process. A run that dies in a process that has done others is done once
-more in a fresh one, so that no run answers for what an earlier one broke, and a row does not depend on who was the
-neighbour of whom. The child is this module's `main`; the parent never loads a unit.
+more in a fresh one, so that a row never depends on the runs that were done before it in the same process.
+The child is this module's `main`; the parent never loads a unit.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class Worker:
         return Row(**child.ask(pickle.dumps(task), None, self._setup.timeout))
 
     def _start(self) -> Child:
-        """A process that stands ready. Raises `TowageError` if none can be had: no run is to blame for that."""
+        """A process that stands ready. Raises `TowageError` if none gets ready in `TRIES` attempts."""
         said = ""
         for _ in range(TRIES):
             name = self._open.enter_context(tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True))
