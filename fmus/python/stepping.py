@@ -91,6 +91,7 @@ class Stepping(Values):
             return derivatives(time + s, x, m, inputs(s), p, FLOATS)
 
         def crossings(s: float, x: tuple[float, ...]) -> Any:
+            assert indicators is not None
             return indicators(time + s, x, m, inputs(s), p, FLOATS)
 
         def change(s: float, x: tuple[float, ...]) -> tuple[float, ...]:
@@ -102,7 +103,8 @@ class Stepping(Values):
 
         try:
             self._x, self._first_step = integrate(
-                rates, start, self._x, end, rtol=self._rtol, atol=self._atol, indicators=crossings, on_event=change,
+                rates, start, self._x, end, rtol=self._rtol, atol=self._atol,
+                indicators=crossings if indicators else None, on_event=change if transition else None,
                 first_step=self._first_step,
             )  # fmt: skip
         except IntegrationError as error:

@@ -18,9 +18,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...numeric.arrays import ComplexArray
 from ...numeric.matrix_ops import MatrixOps, numbers
 from ..case import CableError, Tow
-from ..steady.perturbation import ComplexArray, Excitation, Response
+from ..steady.perturbation import Excitation, Response
 from ..steady.response import mesh, responses
 from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .reduction import reduce, relative_error
@@ -86,8 +87,8 @@ def choose(
     count = nodes or 10
     for _ in range(5):
         model = build(tow_used, count)
-        found = np.array([_gains(model, omega) for omega in frequencies])
-        error = relative_error(found, exact, counted)
+        gains = np.array([_gains(model, omega) for omega in frequencies])
+        error = relative_error(gains, exact, counted)
         if nodes or error <= target or count >= MOST:
             break
         count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))

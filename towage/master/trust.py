@@ -1,9 +1,9 @@
-"""Whether a unit of another make can do what its description says.
+"""Whether a unit of another make restores its state, as its description says that it can.
 
-A unit whose state is not all that it keeps, as any PythonFMU unit with an attribute that is no registered variable, goes back
-in part only: every scheme that repeats steps would silently give wrong physics. So its steps are repeated now and then
-just to see, at steps 0, 1, 2, 4, 8, ... of a run: at rest even a forgetful unit repeats itself. What this cannot
-see: a unit that answers OK without stepping, or that ignores what it is given, does so repeatably.
+A unit may save less than its state, as a PythonFMU unit does that has an attribute which is no registered variable. Every
+scheme that repeats steps would then give wrong physics without a word. So steps 0, 1, 2, 4, 8, ... of a run are
+repeated: not the first alone, because a unit at rest repeats itself in any case. Two faults are not seen, because they
+repeat themselves too: a unit that answers OK without stepping, and one that ignores its inputs.
 """
 
 from __future__ import annotations
