@@ -29,7 +29,7 @@ def dependencies(unit: Unit) -> Mapping[str, tuple[str, ...]]:
         return unit.depends
     order = [v.name for v in unit.inputs]
     declared = {name: declared_inputs(unit, q) for name, q in quantities(unit.model.Outputs).items()}
-    return {n: tuple(k for k in order if k in found | declared[n]) for n, found in derived(unit).items()}
+    return {n: tuple(k for k in order if k in traced | declared[n]) for n, traced in derived(unit).items()}
 
 
 def declared_inputs(unit: Unit, quantity: Quantity) -> set[str]:
