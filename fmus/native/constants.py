@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ...models.cable.lumped import fidelity, reduction
-from ...models.numeric import integrate, ops, tableaus
+from ...models.numeric import integrate, ops, root, tableaus
 from ...models.slender import damping
 from ..declare.unit import INPUT_ORDERS
 from ..describe.fmi2 import LOG_CATEGORIES
@@ -34,7 +34,7 @@ NUMBERS = {
     "LANDING": (integrate.LANDING, "a step longer than this share of what is left goes to the end"),
     "EVENT_WIDTH": (integrate.EVENT_WIDTH, "of the bracket of an event, relative to the step"),
     "TIME_WIDTH": (integrate.TIME_WIDTH, "likewise, relative to the time"),
-    "BEYOND": (integrate.BEYOND, "how far beyond the zero it is sought, in widths"),
+    "BEYOND": (root.BEYOND, "how far beyond the zero it is sought, in widths"),
     "TINY": (integrate.TINY, "keeps a share of zero by zero a number"),
     "SMALLEST": (integrate.SMALLEST, "added to a tolerance, which may have underflowed"),
     "NEAR": (integrate.NEAR, "share of its values at the ends below which an indicator's vertex is looked at"),

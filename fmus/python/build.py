@@ -86,6 +86,14 @@ def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple
             yield carried, names
 
 
+def _executed(node: ast.AST) -> Iterator[ast.AST]:
+    """``node`` and all below it but what stands there for type checkers alone."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
+            yield from _executed(child)
+
+
 def _carried(module: str, own: str) -> str:
     """Where a module that is imported by its full name lives in the private package; "" if the FMU does not carry it."""
     top, _, rest = module.partition(".")
@@ -103,14 +111,6 @@ def _made_private(text: bytes, package: str, own: str) -> bytes:
             begin = lines[line].index(name, node.col_offset)
             lines[line] = lines[line][:begin] + f"{package}.{carried}".encode() + lines[line][begin + len(name) :]
     return b"".join(lines)
-
-
-def _executed(node: ast.AST) -> Iterator[ast.AST]:
-    """``node`` and all below it but what stands there for type checkers alone."""
-    yield node
-    for child in ast.iter_child_nodes(node):
-        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
-            yield from _executed(child)
 
 
 def _file(module: str) -> Path:

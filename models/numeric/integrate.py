@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
+from .root import Bracket
 from .tableaus import DORMAND_PRINCE_5, Tableau
 
 Vector = tuple[float, ...]
@@ -33,8 +34,6 @@ MAX_STEPS, MAX_TRIALS = 100_000, 200
 """Steps in one call; trials to locate an event."""
 EVENT_WIDTH, TIME_WIDTH = 1e-12, 1e-15
 """Width of the bracket of an event, relative to the step and to the time (4 units in the last place)."""
-BEYOND = 0.3
-"""An event is sought so many widths beyond the zero of the secant, so that the next bracket is short."""
 TINY = 1e-300
 """Keeps a share of zero by zero a number."""
 
@@ -250,30 +249,26 @@ def _locate(
             start, g_start = s, g_s
     if blind > 100.0 * BLIND:  # nothing but rounding changes the sign that often: go on
         width = max(width, blind * h)
-    low, g_low, g_high, last = start, g_start[which], g_new[which], 0
+    bracket = Bracket(start, g_start[which], high, g_new[which], width)
     slow = 0
     for _ in range(MAX_TRIALS):
-        size = high - low
+        size = bracket.size
         if size <= width:
             break
-        if slow < 2 and g_high != g_low:  # halved values may underflow, both to zero
-            s = high - g_high * size / (g_high - g_low) + BEYOND * width
+        if slow < 2 and not bracket.flat:
+            s = bracket.secant()
         else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
-            s, slow = low + 0.5 * size, 0
-        s = s if s > low + 0.5 * width else low + 0.5 * width  # also where s is no number
-        s = min(s, high - 0.5 * width)
+            s, slow = bracket.middle(), 0
         y_s, f_s, g_s, changed = ahead(s)
         if changed < 0:
-            low, g_low = s, g_s[which]
-            g_high *= 0.5 if last < 0 else 1.0
-            last = -1
-        elif changed != which:  # another indicator changes before this one
-            high, y, f_new, g_new, which = s, y_s, f_s, g_s, changed
-            low, g_low, g_high, last = start, g_start[which], g_s[which], 0
-            size = 2.0 * high
+            bracket.raise_low(s, g_s[which])
         else:
-            high, y, f_new, g_new, g_high = s, y_s, f_s, g_s, g_s[which]
-            g_low *= 0.5 if last > 0 else 1.0
-            last = 1
-        slow = slow + 1 if high - low > 0.5 * size else 0
-    return high, y, f_new, g_new
+            y, f_new, g_new = y_s, f_s, g_s
+            if changed == which:
+                bracket.lower_high(s, g_s[which])
+            else:  # another indicator changes before this one
+                which = changed
+                bracket.restart(start, g_start[which], s, g_s[which])
+                size = 2.0 * s
+        slow = slow + 1 if bracket.size > 0.5 * size else 0
+    return bracket.high, y, f_new, g_new

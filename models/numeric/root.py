@@ -6,26 +6,29 @@ The secant through both ends of a bracket gives the next place, which replaces t
 would be replaced twice running, the value at the other end is halved, so that both ends move; the order is 1.44.
 Source: M. Dowell, P. Jarratt, "A modified regula falsi method", BIT 11 (1971) 168-174.
 
-What is looked for here is the end of a step just beyond a zero: the secant is moved on by 0.3 of the width at which the
+What is looked for here is the end of a step just beyond a zero: the secant is moved on by `BEYOND` of the width at which the
 search ends, so that the last place tried tends to lie beyond, and kept half a width off both ends.
 """
 
 from __future__ import annotations
 
+BEYOND = 0.3
+"""Share of the width at which the search ends by which the secant is moved on."""
+
 
 class Bracket:
-    """Where the zero is: between ``low`` = 0, where the function has the value ``g_low``, and ``high`` with ``g_high``
-    of the other sign, until they are ``width`` apart."""
+    """Where the zero is: between ``low``, where the function has the value ``g_low``, and ``high`` with ``g_high`` of the
+    other sign, until they are ``width`` apart."""
 
     __slots__ = ("_g_high", "_g_low", "_last", "high", "low", "width")
 
-    def __init__(self, g_low: float, high: float, g_high: float, width: float) -> None:
+    def __init__(self, low: float, g_low: float, high: float, g_high: float, width: float) -> None:
         self.width = width
-        self.restart(g_low, high, g_high)
+        self.restart(low, g_low, high, g_high)
 
-    def restart(self, g_low: float, high: float, g_high: float) -> None:
-        """Another function has a zero before ``high``: its values at 0 and there."""
-        self.low, self.high, self._last = 0.0, high, 0
+    def restart(self, low: float, g_low: float, high: float, g_high: float) -> None:
+        """Begin anew, for another function perhaps."""
+        self.low, self.high, self._last = low, high, 0
         self._g_low, self._g_high = g_low, g_high
 
     @property
@@ -33,18 +36,24 @@ class Bracket:
         """The distance of both ends."""
         return self.high - self.low
 
+    @property
+    def flat(self) -> bool:
+        """Whether the rule has no next place: values that are halved may both underflow to zero."""
+        return self._g_high == self._g_low
+
     def secant(self) -> float:
         """The place that the rule tries next."""
         high, size = self.high, self.high - self.low
-        return self._inside(high - self._g_high * size / (self._g_high - self._g_low) + 0.3 * self.width)
+        return self._inside(high - self._g_high * size / (self._g_high - self._g_low) + BEYOND * self.width)
 
     def middle(self) -> float:
         """The middle, where the rule is slow."""
         return self._inside(self.low + 0.5 * (self.high - self.low))
 
     def _inside(self, place: float) -> float:
-        """``place``, at least half a width off both ends."""
-        return min(max(place, self.low + 0.5 * self.width), self.high - 0.5 * self.width)
+        """``place``, at least half a width off both ends, also where it is no number."""
+        first = self.low + 0.5 * self.width
+        return min(place if place > first else first, self.high - 0.5 * self.width)
 
     def raise_low(self, place: float, value: float) -> None:
         """The function has not changed sign at ``place``."""

@@ -58,11 +58,11 @@ def locate(system: System, before: list[Indication], time: float, tried: float, 
     if which < 0:  # the interpolant dipped through zero, the indicator itself does not
         return again(tried) if high != tried else tried
     width = max(LANDING * tried, 8e-16 * abs(time))
-    bracket = Bracket(before[which][0], high, indications(system)[which][0], width)
+    bracket = Bracket(0.0, before[which][0], high, indications(system)[which][0], width)
     for _ in range(MAX_TRIES):
         if bracket.size <= width:
             break
-        place = bracket.secant()
+        place = bracket.middle() if bracket.flat else bracket.secant()
         done = again(place)
         after = indications(system)
         changed = _first_change(before, after)
@@ -70,7 +70,7 @@ def locate(system: System, before: list[Indication], time: float, tried: float, 
             bracket.raise_low(place, after[which][0])
         elif changed != which:  # another indicator changes before this one
             which = changed
-            bracket.restart(before[which][0], place, after[which][0])
+            bracket.restart(0.0, before[which][0], place, after[which][0])
         else:
             bracket.lower_high(place, after[which][0])
     return done if done == bracket.high else again(bracket.high)
