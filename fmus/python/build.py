@@ -68,7 +68,7 @@ def staged_modules(unit_name: str, place: str = "") -> dict[str, bytes]:
 
 def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple[str, list[str]]]:
     """(module, names) of every import in ``text`` that the FMU must carry; ``own`` is the unit's top-level package."""
-    for node in ast.walk(ast.parse(text)):
+    for node in _executed(ast.parse(text)):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 if _carried(alias.name, own):
@@ -84,6 +84,14 @@ def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple
             yield ".".join([*parts[: len(parts) - node.level + 1], *(node.module or "").split(".")]).strip("."), names
         elif carried := _carried(node.module or "", own):
             yield carried, names
+
+
+def _executed(node: ast.AST) -> Iterator[ast.AST]:
+    """``node`` and all below it but what stands there for type checkers alone."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
+            yield from _executed(child)
 
 
 def _carried(module: str, own: str) -> str:
@@ -148,13 +156,13 @@ def contents(unit: Unit, place: str = "") -> dict[str, bytes]:
 def _binaries(identifier: str) -> dict[str, bytes]:
     """PythonFMU's bridge for every platform it ships."""
     files = metadata.files("pythonfmu") or []
-    found = {}
+    libraries = {}
     for file in files:
         if file.suffix in (".so", ".dll", ".dylib") and "binaries" in file.parts:
-            found[f"binaries/{file.parent.name}/{identifier}{file.suffix}"] = Path(str(file.locate())).read_bytes()
-    if not found:
+            libraries[f"binaries/{file.parent.name}/{identifier}{file.suffix}"] = Path(str(file.locate())).read_bytes()
+    if not libraries:
         raise FileNotFoundError("PythonFMU is installed without its binaries: reinstall pythonfmu 0.7")
-    return found
+    return libraries
 
 
 def build(name: str, directory: Path) -> tuple[Path, bool]:

@@ -28,9 +28,9 @@ from ...models.protocol.model import AnyModel, Record
 MODELS = ops.__name__.removesuffix("numeric.ops")
 STEPPED = (
     "derivatives", "outputs", "advance", "indicators", "transition", "next_event_time",
-    "drive", "core", "observe", "own_after", "schedule", "check_step",
+    "drive", "core", "observe", "own_after", "own_rates", "schedule", "check_step",
 )  # fmt: skip
-"""Functions that take components by position: those that are called in every step."""
+"""All functions that take states, modes or inputs; the others see parameters alone, once."""
 BY_POSITION = ("derivatives", "outputs", "transition", "advance", "observe")
 """Functions whose results are read by position."""
 

@@ -10,7 +10,7 @@ and fmi2FreeInstance at any time. It does not survive a null pointer for a state
 deserialised, so bytes of another unit are refused when they are set. A host that calls several instances from several
 threads gets them one after the other, as Python has one lock.
 
-Three faults of PythonFMU 0.7 are made good here; all are about memory (`slave`, `Fmi2Slave._fatal`, `_release_at_exit`).
+Three faults of PythonFMU 0.7 are mended here, all of memory (`slave`, `Fmi2Slave._fatal`, `_release_at_exit`).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ BUILD = (__package__ or "").partition(".")[0]
 
 
 class Message:
-    """A log entry as the bridge reads it."""
+    """A message of the log as the bridge reads it."""
 
     def __init__(self, status: int, category: str, msg: str) -> None:
         self.status, self.category, self.msg = status, category, msg

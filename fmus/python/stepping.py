@@ -10,7 +10,7 @@ from typing import Any
 
 from ...models.numeric.integrate import IntegrationError, integrate
 from ...models.numeric.ops import FLOATS, NEVER
-from .values import PHASES, STEPPING, CallError, StepError, Values
+from .values import EVENT_TOLERANCE, PHASES, STEPPING, CallError, StepError, Values
 
 TIME_TOLERANCE = 1e-9
 """How far the time of a step may be from where the last one ended, relative to 1 s + |t|."""
@@ -57,7 +57,7 @@ class Stepping(Values):
         while self._next_event:
             event = self._next_event(time + done, self._m, self._p, FLOATS)
             due = event - time
-            if not done < due < step * (1.0 - 1e-12):
+            if not done < due < step * (1.0 - EVENT_TOLERANCE):
                 break
             self._integrate(time, done, due)
             done = due

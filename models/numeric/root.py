@@ -6,11 +6,14 @@ The secant through both ends of a bracket gives the next place, which replaces t
 would be replaced twice running, the value at the other end is halved, so that both ends move; the order is 1.44.
 Source: M. Dowell, P. Jarratt, "A modified regula falsi method", BIT 11 (1971) 168-174.
 
-What is looked for here is the end of a step just beyond a zero: the secant is moved on by 0.3 of the width at which the
+What is looked for here is the end of a step just beyond a zero: the secant is moved on by `BEYOND` of the width at which the
 search ends, so that the last place tried tends to lie beyond, and kept half a width off both ends.
 """
 
 from __future__ import annotations
+
+BEYOND = 0.3
+"""Share of the width at which the search ends by which the secant is moved on."""
 
 
 class Bracket:
@@ -41,7 +44,7 @@ class Bracket:
     def secant(self) -> float:
         """The place that the rule tries next."""
         high, size = self.high, self.high - self.low
-        return self._inside(high - self._g_high * size / (self._g_high - self._g_low) + 0.3 * self.width)
+        return self._inside(high - self._g_high * size / (self._g_high - self._g_low) + BEYOND * self.width)
 
     def middle(self) -> float:
         """The middle, where the rule is slow."""

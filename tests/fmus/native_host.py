@@ -11,12 +11,14 @@ import fmpy
 
 from towage.fmus.declare.unit import load
 from towage.fmus.native import build as native_fmu
-from towage.fmus.native.build import RUNTIME
+from towage.fmus.native.build import RUNTIME, runtime_sources
 from towage.fmus.native.compiler import compiler, host
 from towage.fmus.native.traced import Traced
 
 HOST = Path(__file__).parent / "host"
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{RUNTIME}")
+STANDARD = (f"-I{RUNTIME / 'fmi2'}", f"-I{RUNTIME / 'fmi3'}")
+"""Where the headers of the standard are."""
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", *STANDARD)
 STARTS: dict[str, dict[str, float]] = {
     "ship": {"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0},
     "spring_line": {"stiffness": 1e4, "static_tension": 2e4, "breaking_load": 2e5},
@@ -76,10 +78,11 @@ def unpack(fmu: Path, fmi: int, directory: Path, step: float = 0.1, steps: int =
 
 
 def write_sources(traced: Traced, directory: Path) -> list[Path]:
-    """``model.c`` and ``unit.c`` of a unit."""
+    """All C files of a unit with both versions of FMI; headers are written beside them."""
     members = native_fmu.contents(traced, 2, "")
+    sources = runtime_sources(2) | runtime_sources(3)
+    sources |= {name: members[f"sources/{name}"] for name in ("model.c", "unit.c")}
     directory.mkdir(parents=True, exist_ok=True)
-    found = [directory / "model.c", directory / "unit.c"]
-    for path in found:
-        path.write_bytes(members[f"sources/{path.name}"])
-    return found
+    for name, text in sources.items():
+        (directory / name).write_bytes(text)
+    return [directory / name for name in sources if name.endswith(".c")]

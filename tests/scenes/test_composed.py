@@ -89,6 +89,19 @@ def test_composed_scene_equals_the_system_joined_by_hand(
     assert np.all(error < 1e-8), error
 
 
+def test_line_that_is_slack_for_a_moment_inside_a_step() -> None:
+    """For 0.018 s at 106.95 s, 0.06 mm deep, between two outputs and away from mid-step."""
+    scene = Scene.load("docking").case("plastic capture")
+    ship = scene.units["ship"]
+    ship = replace(ship, parameters=ship.parameters | {"heave_amplitude": 1.07})
+    found = replace(scene, units=scene.units | {"ship": ship}, cases=()).resolve(locator())
+    player = Player(unit_of(found, "docking"), integration_tolerance=1e-8)
+    time = 0.125 * np.arange(1, 861)
+    heave = np.array([player.advance(t)["cradle.heave"] for t in time])
+    exact, _ = solve(found, time)
+    assert np.max(np.abs(heave - exact)) < 1e-8 * np.max(np.abs(exact))  # the tolerance; a taut line is off by 1e-7
+
+
 def test_docking_and_slack_at_the_same_moment() -> None:
     """The submersible comes aboard at the instant the line goes slack, as the reference has it to the last bit."""
     scene = resolved("slack")

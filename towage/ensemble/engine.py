@@ -49,8 +49,10 @@ class Engine:
         self._library = _library(text)
 
     def run(self, rows: Array, times: Array, columns: Sequence[int], accuracy: float, threads: int) -> Computed:
-        """All members, one a row of parameters and inputs, shared among threads: the code holds no lock of Python's.
-        ``columns``: the outputs that are wanted as series."""
+        """Run all members: ``rows``, shape (members, parameters and inputs), SI, over ``times``, shape (n,), s, rising.
+
+        ``columns``: positions of the outputs that are wanted as series. ``accuracy``: relative error of a step. The members
+        are shared among ``threads``, since the code does not hold Python's lock."""
         rows, times = np.ascontiguousarray(rows), np.ascontiguousarray(times)
         n, chosen = len(rows), np.array(columns, np.int64)
         series = np.empty((n, len(times), len(columns)))

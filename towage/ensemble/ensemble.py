@@ -51,9 +51,10 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class Members:
-    """What a run leaves behind, SI. ``low`` and ``high``: extremes over ``time``, one value a member; ``series``: (member,
-    time). NaN where ``message`` says that the member was ``refused`` for its values, or why it ended early. ``steps``: mean
-    number of steps that a member tried, waiting lanes included."""
+    """The results of a run, SI. ``time``: shape (times,), s. ``low`` and ``high``: extremes over it by output, shape
+    (members,); ``series``: shape (members, times). NaN where ``message`` says that the member was ``refused`` for its values,
+    or why it ended early. ``samples``: the members that were computed again. ``steps``: mean number of steps that a member
+    tried, waiting lanes included."""
 
     time: Array
     low: dict[str, Array]
@@ -66,7 +67,7 @@ class Members:
 
     @property
     def done(self) -> NDArray[np.bool_]:
-        """Which members came to their end."""
+        """Which members came to their end, shape (members,)."""
         return np.array([not text for text in self.message])
 
 

@@ -27,7 +27,7 @@ def composed(scene: Scene) -> Unit:
 
 
 def equally_many(varied: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """The values of what is varied, one a member. Raises `SceneError` where they are not equally many."""
+    """The values of what is varied, by name, shape (members,). Raises `SceneError` where they are not equally many."""
     arrays = {name: np.atleast_1d(np.asarray(values, np.float64)) for name, values in varied.items()}
     sizes = {name: len(values) for name, values in arrays.items()}
     if len(set(sizes.values())) != 1 or 0 in sizes.values():
@@ -36,7 +36,8 @@ def equally_many(varied: Mapping[str, ArrayLike]) -> dict[str, Array]:
 
 
 def rows(scene: Scene | None, unit: Unit, varied: Mapping[str, Array]) -> Array:
-    """Parameters, then inputs of ``unit``, one row a member. Raises `SceneError` for names and values that do not fit."""
+    """Parameters, then inputs of ``unit``, SI, shape (members, parameters and inputs). Raises `SceneError` for names and
+    values that do not fit."""
     variables = {v.name: v for v in unit.parameters + unit.inputs}
     places = {name: k for k, name in enumerate(variables)}
     table = np.tile([v.start or 0.0 for v in variables.values()], (len(next(iter(varied.values()))), 1))

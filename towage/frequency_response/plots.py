@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
-    """Magnitude and phase of tensions and body motion over frequency."""
+    """Magnitude (N, m) and phase (rad) of tensions and body motion over frequency, Hz; written to ``path``."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
@@ -38,7 +38,8 @@ def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
 
 
 def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
-    """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s."""
+    """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s; written
+    to ``path``."""
     from matplotlib.figure import Figure
 
     excitation = Excitation(heave=1.0) if tow.tow.quadrant == 1 else Excitation(lift=1.0)

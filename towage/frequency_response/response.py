@@ -2,6 +2,8 @@
 
 Linear theory of the cable (`models.cable.steady`): complex amplitudes q of Re(q exp(-i omega t)), so that a phase is the
 lag of a cosine, q = |q| cos(omega t - phase).
+
+Source: the small-perturbation report on towed cables (programs OMWAY and OMFLO).
 """
 
 from __future__ import annotations
@@ -67,7 +69,7 @@ class Response:
         return table
 
     def text(self, most: int = 12) -> str:
-        """A table for a terminal, of some ``most`` of the frequencies."""
+        """A table for a terminal, of about ``most`` of the frequencies."""
         tow = self.tow.tow
         lines = [
             f"{self.name}: Quadrant {'I' * tow.quadrant}, {tow.cable.length:.4g} m at {tow.speed:.4g} m/s; per {self.per}",

@@ -43,8 +43,8 @@ class Run(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Of a variable against the first run: largest, when (s), rms, and rms over the rms of the first run's variable (NaN
-    where that is 0), all NaN where the runs have no time in common."""
+    """Of a variable against the first run, in its own unit: the largest and its time (s), the rms, and the rms over that of
+    the first run's variable (NaN where that is 0); all NaN where the runs have no time in common."""
 
     largest: float
     time: float
@@ -93,7 +93,8 @@ def common(runs: Sequence[Run]) -> list[str]:
 
 
 def against(first: Result, other: Result, name: str) -> tuple[Array, Array]:
-    """(times of ``first`` that ``other`` spans, the variable in ``other`` minus in ``first``)."""
+    """(times of ``first`` that ``other`` spans, s, the variable in ``other`` minus in ``first``, in its own unit), both of
+    shape (n,)."""
     if not len(first.time) or not len(other.time):
         return np.empty(0), np.empty(0)
     inside = (first.time >= other.time[0]) & (first.time <= other.time[-1])
@@ -102,7 +103,7 @@ def against(first: Result, other: Result, name: str) -> tuple[Array, Array]:
 
 
 def difference(first: Result, other: Result, name: str) -> Difference:
-    """The numbers of `against`."""
+    """The numbers of `against`, in the variable's own unit."""
     time, values = against(first, other, name)
     known = np.isfinite(values) & (np.abs(values) < _PLOTTED)
     if not known.any():

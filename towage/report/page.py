@@ -219,7 +219,7 @@ def margin_cell(margin: Margin) -> str:
 
 
 def peak_tension(result: Result) -> tuple[str, str]:
-    """(largest tension, where and when); a dash without a column of tension."""
+    """(largest tension with its unit, its variable and time); a dash without a column of tension."""
     name = roles(result).tension
     if name is None or not np.isfinite(result[name]).any():
         return "–", ""

@@ -76,7 +76,8 @@ def slack(result: Result, tension: str) -> Array:
 
 
 class Plotter:
-    """Draws the diagrams of one result; ``key`` is unique in the page, ``buckets`` the resolution along time."""
+    """Draws the diagrams of one result, each as the text of an SVG element. ``key`` is unique in the page; ``buckets``: parts
+    into which time is divided, two samples each."""
 
     def __init__(self, result: Result, key: str, buckets: int) -> None:
         self.result, self.key, self.buckets = result, key, buckets

@@ -31,8 +31,8 @@ _SETTINGS = {
 
 
 def thin(values: Array, buckets: int) -> Array:
-    """Indices, ascending, of the smallest and largest finite value in each of ``buckets`` equal parts of ``values``,
-    of the first gap (not finite) in each, and of both ends."""
+    """Indices into ``values``, shape (n,), ascending: of the smallest and largest finite value in each of ``buckets`` equal
+    parts, of the first gap (not finite) in each, and of both ends."""
     count = len(values)
     if count <= 2 * buckets:
         return np.arange(count)

@@ -48,7 +48,7 @@ def _cell(cell: Cell) -> str:
 
 
 def checks(result: Result) -> str:
-    """What was found before and after the run."""
+    """What the checks said before and after the run."""
     if not result.checks:
         return ""
     rows = [(c.name, badge(c.level), number(c.value), number(c.limit), c.message) for c in result.checks]

@@ -41,7 +41,8 @@ def read(
     departure: datetime.datetime | None, names: dict[str, str],
 ) -> tuple[GridField, Cells | None]:
     """The field on the plane, with time 0 at ``departure`` (None: the first time in the file), and the area without
-    data. ``names`` overrides the variables' names. Raises `SceneError`."""
+    data. ``start`` and ``end``: m on the plane. ``names``: of variables, by the keys of `NAMES`, in place of the usual ones.
+    Raises `SceneError` for a file that cannot be read or lacks a variable."""
     unknown = sorted(set(names) - set(NAMES))
     if unknown:
         raise SceneError(f"unknown {unknown[0]!r}; expected one of: {', '.join(NAMES)}", file=path, key="variables")

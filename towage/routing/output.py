@@ -30,7 +30,8 @@ CALM = 0.1
 
 @dataclass(frozen=True)
 class Voyage:
-    """Columns (n,) of one length."""
+    """What the ship meets, columns of shape (n,): time, s; place on the plane of the map, m; heading and wave direction, rad;
+    speed, m/s; wave height, m, and period, s."""
 
     time: Array
     x: Array
@@ -93,7 +94,7 @@ def write_csv(path: Path, problem: Problem, route: Route, count: int = 101) -> N
 
 
 def unit_parameters(problem: Problem, route: Route) -> dict[str, float]:
-    """Parameters of the unit `voyage` for a route."""
+    """Parameters of the unit `voyage` for a route, SI."""
     v = voyage_table(problem, route, voyage.POINTS)
     horizon = problem.medium.field.horizon
     parameters = {"duration": route.duration, "horizon": horizon if math.isfinite(horizon) else 0.0}

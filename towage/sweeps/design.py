@@ -47,7 +47,8 @@ class Vary:
 class Design:
     """Points of a sweep: ``points`` of shape (runs, targets), each column in the unit of measure ``units`` that its
     variable declares (SI for the shipped units). ``shape``: values along each target of a grid, () for a sequence.
-    ``text`` is how it was asked for."""
+    ``whole``: whether a target takes whole numbers only. ``text``: the ranges
+    as they were written."""
 
     targets: tuple[str, ...]
     units: tuple[str, ...]
@@ -57,12 +58,12 @@ class Design:
     text: str
 
     def values(self, index: int) -> dict[str, float | int]:
-        """What one run sets."""
+        """What run ``index`` sets, by target, in the unit of its variable."""
         point = self.points[index].tolist()
         return {t: int(v) if whole else v for t, v, whole in zip(self.targets, point, self.whole)}
 
     def digest(self) -> str:
-        """Of the points, to the last bit."""
+        """A hash of the points, to the last bit."""
         return hashlib.sha256(np.ascontiguousarray(self.points).tobytes()).hexdigest()[:16]
 
 
@@ -95,7 +96,8 @@ def design(
 
 
 def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Design:
-    """All combinations, the first target changing slowest. Raises `SceneError` for a range that does not fit."""
+    """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT"), the first target changing slowest. Raises `SceneError`
+    for a range that does not fit the scene."""
     axes = _axes(scene, ranges, fmus)
     columns = []
     for axis in axes:

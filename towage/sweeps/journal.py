@@ -71,7 +71,7 @@ class Journal:
                 row = Row(**fields)
             except TypeError:
                 raise self._damaged(number) from None
-            if row.status != "defect":  # of towage, which may be mended: done again
+            if row.status != "defect":  # of towage: done again, since it may be corrected by now
                 self.rows.setdefault(row.index, row)
 
     def _parsed(self, line: bytes, number: int) -> dict[str, Any]:
@@ -116,7 +116,7 @@ class Journal:
             raise TowageError(f"cannot write {self.path}: the disk is full; continue with --resume")
 
     def sync(self) -> None:
-        """Hand lines to the disk, if the last time is long ago."""
+        """Hand lines to the disk, if that was last done more than `SYNC` seconds ago."""
         if clock.monotonic() - self._synced > SYNC:
             os.fsync(self._file.fileno())
             self._synced = clock.monotonic()

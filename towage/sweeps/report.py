@@ -23,7 +23,8 @@ Limit = tuple[str, float]
 
 
 def write_report(table: Table, scene: Scene, limits: Sequence[Limit], path: Path) -> Path:
-    """Writes the report to ``path`` and returns it. Raises `TowageError` if it cannot be written."""
+    """Writes the report of a sweep to ``path`` and returns it. ``limits``: recorded variables and the values that they should
+    stay under, in their own units. Raises `TowageError` if it cannot be written."""
     figures = "".join(_figures(table, _quantities(table, scene, limits), limits))
     body = (
         f"{f'<p>{escape(table.note)}</p>' if table.note else ''}"
@@ -36,7 +37,7 @@ def write_report(table: Table, scene: Scene, limits: Sequence[Limit], path: Path
 
 
 def text_summary(table: Table, limits: Sequence[Limit]) -> str:
-    """What a sweep ends with on a terminal."""
+    """The lines that a sweep ends with on a terminal: counts, verdicts, shares under the limits, the first failures."""
     lines = [f"{table.title}: {len(table.status)} runs, {_counted(table.status)}"]
     if table.done.any():
         words = [verdict for verdict, done in zip(table.verdict, table.done) if done]

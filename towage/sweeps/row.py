@@ -24,8 +24,9 @@ _COMPARISON = ("rms", "amplitude", "phase", "peak_tension", "indicator", "bound"
 @dataclass(frozen=True)
 class Row:
     """One run. ``status``: done; failed (a unit said so, or a value was not finite); refused (the values do not fit the
-    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``note`` is for people: the
-    stack, what was printed; it goes to the journal only, because no two crashes need leave the same."""
+    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``measures``: numbers
+    by the names above, in the units of their variables. ``note``: the stack or what was printed, for a reader; it goes to
+    the journal only, because two crashes of one run need not print the same."""
 
     index: int
     status: Status

@@ -20,7 +20,6 @@ from typing import Any, Literal
 
 import msgspec
 
-from towage import __version__
 from towage.errors import SceneError
 from towage.registry import UNITS
 from towage.scene.flavour import Flavour, resolve
@@ -65,9 +64,8 @@ class Sweep:
         scene = msgspec.to_builtins(msgspec.structs.replace(self.scene, file=None))
         files = digests(self.scene, self.fmus, self.pinned())
         versions = {
-            "towage": __version__,
             "code": code_digest("towage.sweeps.workers")[:16],
-            **{name: metadata.version(name) for name in ("fmpy", "numpy", "scipy", *brought())},
+            **{name: metadata.version(name) for name in ("towage", "fmpy", "numpy", "scipy", *brought())},
             "python": platform.python_version(),
             "machine": f"{sys.platform} {platform.machine()}",
         }

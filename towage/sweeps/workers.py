@@ -1,8 +1,8 @@
 """Supervised workers of a sweep: processes that do run after run, and are replaced when one of these ends them.
 
 A crash, an exit or a hang costs its run and the process. A run that dies in a process that has done others is done once
-more in a fresh one, so that no run answers for what an earlier one broke, and a row does not depend on who was the
-neighbour of whom. The child is this module's `main`; the parent never loads a unit.
+more in a fresh one, so that a row never depends on the runs that were done before it in the same process.
+The child is this module's `main`; the parent never loads a unit.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Setup(NamedTuple):
 
 
 def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]:
-    """Of the FMU of every unit."""
+    """A hash of the FMU of every unit, by the unit's name."""
     from towage.scene.flavour import resolve
 
     units = resolve(scene, fmus, flavour).units
@@ -60,7 +60,7 @@ def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a sweep."""
+    """One run of a sweep: its index, and what it sets."""
 
     index: int
     values: dict[str, float | int]
@@ -101,7 +101,7 @@ class Worker:
         return Row(**child.ask(pickle.dumps(task), None, self._setup.timeout))
 
     def _start(self) -> Child:
-        """A process that stands ready. Raises `TowageError` if none can be had: no run is to blame for that."""
+        """A process that stands ready. Raises `TowageError` if none gets ready in `TRIES` attempts."""
         said = ""
         for _ in range(TRIES):
             name = self._open.enter_context(tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True))
@@ -145,8 +145,8 @@ class Worker:
 
 
 def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row | None]:
-    """Rows in the order in which runs end, done by ``workers`` processes of this machine; None now and then, so that the
-    caller gets a look in. Closing the iterator ends all processes."""
+    """Rows in the order in which runs end, done by ``workers`` processes of this machine; None every
+    `LOOK` seconds without one, so that the caller can do other work. Closing the iterator ends all processes."""
     left, ended = iter(tasks), 0
     lock, rows = threading.Lock(), queue.SimpleQueue[Any]()
     crew = [Worker(setup) for _ in range(min(workers, len(tasks)))]
@@ -192,7 +192,7 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
 
 
 def main() -> None:
-    """The child: does runs as they come, until the parent is gone."""
+    """The child process: does the runs that it is sent, until its parent ends."""
     commands, say = attend()
     requests = queue.SimpleQueue[Any]()
 

@@ -39,8 +39,8 @@ RANGES: dict[str, tuple[float, float, str]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """Critical speeds of one body, in u. ``yaw``: a real exponent passes zero; ``flutter``: (u, omega, whether growth
-    begins above u); ``stable``: intervals (from, to) without a growing mode."""
+    """Critical speeds of one body, in u, and frequencies omega tau. ``yaw``: a real exponent passes zero; ``flutter``:
+    (u, omega, whether growth begins above u); ``stable``: intervals (from, to) without a growing mode."""
 
     value: float
     yaw: tuple[float, ...]

@@ -34,7 +34,7 @@ POINTS = 41
 
 @dataclass(frozen=True)
 class Towed:
-    """A unit `slender.body` of a scene: its name, SI parameters and the dimensionless body."""
+    """A unit `slender_body` of a scene: its name, SI parameters and the dimensionless body."""
 
     name: str
     parameters: slender_setup.Parameters
@@ -52,7 +52,7 @@ class Towed:
 
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
-    """The slender bodies of a scene without cases. Raises `SceneError` if there is none, or if one makes no sense."""
+    """The slender bodies of a scene without cases. Raises `SceneError` if there is none, or if the theory has no such body."""
     resolved = described(scene, locator(fmus))
     towed = []
     for name, unit in resolved.units.items():

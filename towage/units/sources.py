@@ -14,10 +14,9 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-import towage
-
-ROOT = Path(towage.__file__).parent
-_PLACE = re.compile(rf"({towage.__name__}(?:\.\w+)+):\w+")
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT.name
+_PLACE = re.compile(rf"({PACKAGE}(?:\.\w+)+):\w+")
 LIBRARIES = ("numpy", "scipy")
 """Packages whose version may change the last digits of a result."""
 
@@ -35,7 +34,7 @@ def code_digest(module: str) -> str:
 def brought() -> list[str]:
     """The installed packages that bring units, schemes, checks or writers by entry points (`towage.registry`)."""
     points = metadata.entry_points()
-    groups = (group for group in points.groups if group.startswith(f"{towage.__name__}."))
+    groups = (group for group in points.groups if group.startswith(f"{PACKAGE}."))
     return sorted({point.dist.name for group in groups for point in points.select(group=group) if point.dist})
 
 
@@ -81,7 +80,7 @@ def _references(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom | str]:
 def _file(name: str) -> Path | None:
     """The file of a module or package of towage; None for anything else."""
     first, *rest = name.split(".")
-    if first != towage.__name__:
+    if first != PACKAGE:
         return None
     place = ROOT.joinpath(*rest)
     if place.is_dir():

@@ -19,7 +19,7 @@ Values = Mapping[str, Any]
 
 
 def tow_of(inputs: Values) -> Tow:
-    """The tow that a case's inputs describe."""
+    """The tow that a case's inputs describe, in the units of the case. Raises ``ValueError`` and ``KeyError``."""
     if inputs["added"] not in ("report", "morison"):
         raise ValueError(f"added is {inputs['added']!r}; expected report or morison")
     cable = Cable(
@@ -36,7 +36,7 @@ def tow_of(inputs: Values) -> Tow:
 
 
 def excitation_of(inputs: Values) -> Excitation:
-    """Complex amplitudes of a case's excitation."""
+    """Complex amplitudes of a case's excitation, Re(q exp(-i omega t)): motions of the towpoint, forces on the body."""
     e = inputs["excitation"]
     return Excitation(
         surge=e.get("aS", 0.0) * cmath.exp(1j * e.get("dS", 0.0)),
@@ -47,7 +47,8 @@ def excitation_of(inputs: Values) -> Excitation:
 
 
 def cable_response(inputs: Values, expected: Values) -> Values:
-    """Steady profile and complex amplitudes at both ends."""
+    """Steady profile, and complex amplitudes [re, im] of angle, tension, velocities and place at both ends, in the units of
+    the case."""
     tow = tow_of(inputs)
     omega = inputs.get("omega") or 2.0 * math.pi * inputs["excitation"]["f"]
     response = respond(tow, omega, excitation_of(inputs))

@@ -36,7 +36,9 @@ def dimensionless_system(
     two_way: bool = False,
     force: tuple[float, float] = (0.0, 0.0),
 ) -> System:
-    """The SI models with the numbers of a dimensionless case: ``drag`` is b, ``w`` None never slack."""
+    """The SI models with the numbers of a dimensionless case: ``drag`` is b, ``omega`` the frequency of the ship, ``w`` the
+    weight in water (None: the line is never slack), ``hull`` mass, damping and stiffness of the ship, ``force`` amplitude
+    and frequency of a force on her. Raises ``ValueError`` for an unknown ``mode`` of docking."""
     if mode not in ("plastic", "continuous"):
         raise ValueError(f"mode is {mode!r}; expected plastic or continuous")
     weight = 0.0 if w is None else w

@@ -45,7 +45,7 @@ def _omega(s: complex) -> list[float]:
 
 
 def integrals(inputs: Values, expected: Values) -> Values:
-    """Shape numbers, end integrals, tension and base drag."""
+    """Shape numbers, end integrals, tension and base drag, all dimensionless."""
     made = body(inputs).ends
     values = made.shape._asdict()
     for number, end in (("1", made.nose), ("2", made.tail)):
@@ -54,13 +54,13 @@ def integrals(inputs: Values, expected: Values) -> Values:
 
 
 def spectra(inputs: Values, expected: Values) -> Values:
-    """The modes of smallest frequency at one tow speed."""
+    """The modes of smallest frequency, omega tau, at one tow speed u."""
     count = len(expected.get("omega", range(6)))
     return {"omega": [_omega(s) for s in spectrum(matrices(body(inputs)), inputs["u"], count)]}
 
 
 def yaw_critical(inputs: Values, expected: Values) -> Values:
-    """The lowest tow speeds at which a body begins or ends to yaw away."""
+    """The lowest tow speeds, u, at which a body begins or ends to yaw away."""
     speeds = slender_critical.yaw(body(inputs), SPEEDS)
     return {"u": speeds[: len(expected.get("u", speeds))]}
 
@@ -88,7 +88,7 @@ def _in_order(computed: list[list[float]], wanted: list[list[float]]) -> list[li
 
 
 def time_domain(inputs: Values, expected: Values) -> Values:
-    """The unit after a lateral step of the craft at t = 0 and one exact step to t."""
+    """Forces, N, and motions, m and rad, of the unit after a lateral step of the craft at t = 0 and one exact step to t."""
     made = body(inputs)
     length, diameter, stiffness = inputs["L"], inputs["D"], inputs["EI"]
     fluid = inputs["rho"] * 0.25 * math.pi * diameter**2

@@ -53,7 +53,8 @@ class CaseResult:
 
 
 def verify(path: Path | None = None) -> list[CaseResult]:
-    """Every case of ``path``, or of the project's own copies. Raises `SceneError` where the file is no such file."""
+    """Every case of ``path``, or of the project's own copies. Raises `SceneError` for a file that cannot be
+    read or holds no cases."""
     if path is not None:
         try:
             text = Path(path).read_text(encoding="utf-8")
