@@ -20,7 +20,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """The forces and their rates."""
     omega = 2.0 * math.pi / p.period
-    scale = ops.where(p.ramp_time > 0.0, 1.0 / ops.where(p.ramp_time > 0.0, p.ramp_time, 1.0), 0.0)
-    s = ops.where(p.ramp_time > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
+    scale = ops.where(p.ramp_time > NEGLIGIBLE, 1.0 / ops.where(p.ramp_time > NEGLIGIBLE, p.ramp_time, 1.0), 0.0)
+    s = ops.where(p.ramp_time > NEGLIGIBLE, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
     r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
     found = []

@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,8 @@ class Calculated(NamedTuple):
 
 def ramp(t: Value, ramp_time: Value, ops: Ops) -> tuple[Value, Value, Value]:
     """r and its first two time derivatives, 1, 1/s, 1/s2."""
-    scale = ops.where(ramp_time > 0.0, 1.0 / ops.where(ramp_time > 0.0, ramp_time, 1.0), 0.0)
-    s = ops.where(ramp_time > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
+    scale = ops.where(ramp_time > NEGLIGIBLE, 1.0 / ops.where(ramp_time > NEGLIGIBLE, ramp_time, 1.0), 0.0)
+    s = ops.where(ramp_time > NEGLIGIBLE, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
     r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
     r2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * scale * scale
@@ -154,7 +154,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     z, z_rate = x
     z_rate2 = derivatives(t, x, m, u, p, ops)[1]
     limit = p.sdof_tolerance * ops.abs(p.heave_amplitude)
-    margin = ops.where(limit > 0.0, 1.0 - ops.abs(z) / ops.where(limit > 0.0, limit, 1.0), 1.0)
+    margin = ops.where(limit > NEGLIGIBLE, 1.0 - ops.abs(z) / ops.where(limit > NEGLIGIBLE, limit, 1.0), 1.0)
     velocity = rate + z_rate
     return Outputs(free + z, velocity, free, margin, velocity, acceleration + z_rate2, rate)
 

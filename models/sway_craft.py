@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from . import ship
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def oscillator(p: Parameters) -> ship.Parameters:
 
 def tow_speed(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
     """U, m/s, and its rate, m/s2."""
-    changes = p.speed_change_time > 0.0
+    changes = p.speed_change_time > NEGLIGIBLE
     scale = ops.where(changes, 1.0 / ops.where(changes, p.speed_change_time, 1.0), 0.0)
     s = ops.minimum(1.0, ops.maximum(0.0, (t - p.speed_change_start) * scale))
     change = p.speed_end - p.speed_start

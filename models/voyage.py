@@ -24,7 +24,7 @@ from __future__ import annotations
 from dataclasses import make_dataclass
 from typing import Any, NamedTuple
 
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 
 POINTS = 25
 COLUMNS = ("x", "y", "heading", "speed", "wave_height", "wave_period", "wave_direction")
@@ -116,5 +116,5 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Any, ops: Op
         f = table(p, column)
         values.append(sum(w * v for w, v in zip(value, f)))
         rates.append(scale * sum(w * v for w, v in zip(slope, f)))
-    known = ops.where(p.horizon > 0.0, 1.0 - tau / ops.where(p.horizon > 0.0, p.horizon, 1.0), 1.0)
+    known = ops.where(p.horizon > NEGLIGIBLE, 1.0 - tau / ops.where(p.horizon > NEGLIGIBLE, p.horizon, 1.0), 1.0)
     return Outputs._make([*values, share, known, *rates])

@@ -30,6 +30,8 @@ from .scene import SdofCheck
 from .system import System
 
 Array = NDArray[np.float64]
+AT_REST = 1e-13
+"""Dynamic tension, as a share of the mean one, that is rounding."""
 
 
 def dominant_frequency(time: Array, values: Array) -> float | None:
@@ -44,7 +46,8 @@ def dominant_frequency(time: Array, values: Array) -> float | None:
     if peak < 16 or peak + 1 >= len(spectrum):
         return None
     left, middle, right = np.log(spectrum[peak - 1 : peak + 2] + 1e-300)
-    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    bend = left - 2.0 * middle + right
+    shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0  # no peak where the motion is too small to be squared
     return float(2.0 * math.pi * (peak + shift) / (8 * n * step))
 
 
@@ -84,6 +87,11 @@ def peak(values: Array) -> float:
     return float(values[k])
 
 
+def _of_none(a: float) -> float:
+    """The share of ``a`` in zero: infinite, but for zero."""
+    return math.inf if a else 0.0
+
+
 def compare(
     check: SdofCheck,
     time: Array,
@@ -94,7 +102,8 @@ def compare(
 ) -> Comparison:
     """The SDOF comparison after ``check.settle``. Amplitude (half the swing) and peak tension (above its mean) are
     errors of the one-way model, one-way / coupled - 1; rms is that of the difference over that of the one-way motion;
-    the phase is that of the coupled motion against the one-way motion. ``stiffness``: the ship's dynamic stiffness D1
+    the phase is that of the coupled motion against the one-way motion. All are zero for a body at rest: a tension that
+    is constant but for rounding. ``stiffness``: the ship's dynamic stiffness D1
     at the dominant frequency, N/m, if known; ``theory``: estimate, eigenvector and frequency_shift, where known."""
     keep = time >= check.settle
     t = time[keep]
@@ -110,14 +119,17 @@ def compare(
         phase = cmath.phase(a2 / a1) if a1 else 0.0
         reaction = one_way[check.cut[0].split(" -> ")[0]][keep]
         drive = abs(component(t, driver, omega))
-        if stiffness and drive:
-            indicator = abs(component(t, reaction, omega)) / (abs(stiffness) * drive)
+        if stiffness and (restoring := abs(stiffness) * drive):
+            indicator = abs(component(t, reaction, omega)) / restoring
     bound = None if indicator is None else indicator / (1.0 - indicator) if indicator < 1.0 else math.inf
     swing2 = peak(x2) + peak(-x2)
     dynamic1, dynamic2 = peak(T1) - float(T1.mean()), peak(T2) - float(T2.mean())
-    amplitude = swing1 / swing2 - 1.0 if swing2 else 0.0
-    tension = dynamic1 / dynamic2 - 1.0 if dynamic2 else 0.0
-    rms = math.sqrt(float(np.mean((x2 - x1) ** 2))) / rms1 if rms1 else 0.0
+    amplitude = swing1 / swing2 - 1.0 if swing2 else _of_none(swing1)
+    tension = dynamic1 / dynamic2 - 1.0 if dynamic2 else _of_none(dynamic1)
+    difference = math.sqrt(float(np.mean((x2 - x1) ** 2)))
+    rms = difference / rms1 if rms1 else _of_none(difference)
+    if max(dynamic1, dynamic2) <= AT_REST * max(abs(float(T1.mean())), abs(float(T2.mean()))):
+        amplitude = tension = rms = 0.0
     worst = max(abs(amplitude), abs(tension), rms if repeats(t, x1, omega, check.tolerance) else 0.0)
     word = "invalid" if worst > check.tolerance else "marginal" if bound and bound > check.tolerance else "valid"
     return Comparison(

@@ -6,6 +6,7 @@ Ship: ``port_mass``, ``natural_frequency``, ``damping_ratio``, ``heave_amplitude
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 RULE = 0.9
 """eps* <= 0.9 e promises an error below e (spec of the 1969 thesis, section 4)."""
 RATIOS = (0.2, 3.0, 281)
+BEYOND = 1e6
+"""Response that only a cradle without drag has, at its resonance: infinite but for rounding, and not drawn."""
 
 
 def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
@@ -60,7 +63,7 @@ def theory(system: System, check: SdofCheck) -> dict[str, float | None]:
     masses = found.ship_mass, found.ship_stiffness, found.mass, found.stiffness
     return {
         "estimate": sdof.closed_form_of(found),
-        "eigenvector": max(abs(b / a - 1.0) for a, b in sdof.eigenvector_test(*masses)),
+        "eigenvector": max(abs(b / a - 1.0) if a else 0.0 for a, b in sdof.eigenvector_test(*masses)),
         "frequency_shift": sdof.frequency_shift(*masses),
     }
 
@@ -83,7 +86,7 @@ def response(
     measured = abs(component(t, motion, omega)) / drive if drive else 0.0
     return {
         "ratio": ratios.tolist(),
-        "amplitude": [a / abs(found.amplitude) for a in sizes],
+        "amplitude": [a / abs(found.amplitude) if a < BEYOND * abs(found.amplitude) else math.nan for a in sizes],
         "operating": [omega / found.cradle_frequency, measured],
         "label": "equivalent linearisation",
     }
