@@ -55,10 +55,12 @@ def locator(directory: Path | None = None) -> Locate:
 
 @functools.cache
 def _python(name: str, directory: Path) -> Path:
-    """The Python flavour: that of a shipped unit in a folder of its sources, so that it is built once; that of another
-    package compared with its sources once a process. Raises `FmuError`."""
+    """The Python flavour: that of a shipped unit in a folder of its sources, built where it is not there or damaged; that
+    of another package compared with its sources once a process. Raises `FmuError`."""
+    from towage.fmus.describe import archive
+
     place = directory / f"{_sources()}-{metadata.version('pythonfmu')}" / f"{name}.fmu"
-    if name in UNITS.own and place.is_file():
+    if name in UNITS.own and archive.read(place):
         return place
     from towage.fmus.declare.unit import BuildError
     from towage.fmus.python.build import build, build_unit
