@@ -130,8 +130,6 @@ def modes_table() -> None:
     print("\nThe series has no spectrum of its own: its roots are sought from the exact ones, which flatters it.\n")
 
 
-
-
 def base(**changes: float) -> slender_setup.Parameters:
     """The unit's default parameters."""
     values = {v.name: float(v.start or 0.0) for v in UNIT.parameters} | {"bending_stiffness": 2830.194553649008}
