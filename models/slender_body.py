@@ -38,7 +38,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .linear_unit import remembered
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 from .slender_plant import SlenderUnit, plant
 from .slender_plant import constants as constants_of
 from .slender_setup import Constants, Parameters, Size, requirements, setup, size_of, study
@@ -152,7 +152,7 @@ def observe(
     slope = ops.abs(angle)
     for each in y[3:]:
         slope = ops.maximum(slope, ops.abs(each))
-    moves = speed > 0.0
+    moves = speed > NEGLIGIBLE
     decay = ops.where(moves, -growth * p.length / (PER_LENGTH * ops.where(moves, speed, 1.0)), 1.0)
     found = Outputs(
         tension, tension * angle, tip, tail, angle, yaw, growth, ops.maximum(-1e9, ops.minimum(1.0, decay)),
