@@ -114,7 +114,7 @@ def test_extract_again_keeps_what_is_there_and_refuses_another_fmu(tmp_path: Pat
 EXTRACT = """
 import sys
 from pathlib import Path
-from towage import archive, binary
+from towage.units import archive, binary
 
 binary.platform_name = lambda: ("linux64", ".so")
 for _ in range(20):

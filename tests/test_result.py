@@ -230,7 +230,7 @@ def test_a_symbolic_link_stays_one(tmp_path):
 WRITE_FOREVER = """
 import sys
 import numpy as np
-from towage.result import Result
+from towage.result.result import Result
 clock = np.linspace(0.0, 1.0, 100_000)
 for count in range(1, 10**9):
     columns = {f"a.c{i}": np.full(100_000, float(count)) for i in range(4)}

@@ -145,14 +145,12 @@ def test_consistency_of_the_fmu_with_the_model(unit: str, played: dict[str, list
 
 VARIANT = (
     # the physics of some units, and what every unit of a flavour shows
-    ("models/heave/ship.py", "velocity = rate + z_rate", "velocity = 2.0 * (rate + z_rate)"),
-    ("models/heave/spring_line.py", "return static_tension / k + heave_top", "return 1.0 + static_tension / k + heave_top"),
-    ("models/heave/cradle.py", "return 0.5 * p.water_density", "return 0.75 * p.water_density"),
-    ("fmus/python/instance.py", "observed = self._outputs(", "observed = twice_and_one(self._outputs("),
-    ("fmus/python/instance.py", "du, self._p, FLOATS)\n        total", "du, self._p, FLOATS))\n        total"),
-    ("fmus/python/instance.py", "class CallError(", "def twice_and_one(values):\n    return [2.0 * v + 1.0 for v in values]\n\n\n"
-                                                    "class CallError("),
-    ("fmus/native/runtime/observe.c", "    outcome = check_finite(it, first_observed(unit), unit->observed);\n",
+    ("heave/ship.py", "velocity = rate + z_rate", "velocity = 2.0 * (rate + z_rate)"),
+    ("heave/spring_line.py", "return static_tension / k + heave_top", "return 1.0 + static_tension / k + heave_top"),
+    ("heave/cradle.py", "return 0.5 * p.water_density", "return 0.75 * p.water_density"),
+    ("python/instance.py", "        total = sum(observed)\n",
+     "        observed = [2.0 * v + 1.0 for v in observed]\n        total = sum(observed)\n"),
+    ("observe.c", "    outcome = check_finite(it, first_observed(unit), unit->observed);\n",
      "    for (int i = 0; i < unit->observed; i++)\n        observed[i] = 2.0 * observed[i] + 1.0;\n"
      "    outcome = check_finite(it, first_observed(unit), unit->observed);\n"),
 )  # fmt: skip
@@ -169,7 +167,7 @@ def variants(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             shutil.copytree(ROOT / folder, root / "towage" / folder, ignore=shutil.ignore_patterns("__pycache__"))
         (root / "towage" / "__init__.py").touch()
         for name, old, new in VARIANT:
-            file = root / "towage" / name
+            (file,) = (root / "towage").rglob(name)
             text = file.read_text()
             assert text.count(old) == 1, (name, old)
             file.write_text(text.replace(old, new))

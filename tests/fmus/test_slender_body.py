@@ -138,8 +138,8 @@ def test_two_builds_are_byte_identical_and_carry_only_their_models(tmp_path: Pat
     assert first.read_bytes() == second.read_bytes()
     with zipfile.ZipFile(first) as archive:
         models = {name.rsplit("/", 1)[-1] for name in archive.namelist() if "/models/" in name}
-    assert "slender_modes.py" in models
-    assert not models & {"cradle.py", "ship.py", "slender_critical.py", "slender_series.py"}
+    assert "modes.py" in models
+    assert not models & {"cradle.py", "ship.py", "critical.py", "series.py"}
 
 
 @pytest.mark.parametrize("flexible", [0.0, 1.0])

@@ -126,7 +126,7 @@ def test_state_restores_to_the_bit(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_fmu_carries_the_modules_it_needs(name: str) -> None:
     staged = set(staged_modules(name))
-    assert f"models/{load(name).model.__name__.rsplit('.', 1)[1]}.py" in staged
+    assert f"models/{load(name).model.__name__.split('.models.')[1].replace('.', '/')}.py" in staged
     if name in LINEAR:
         assert {"models/numeric/exact_step.py", "models/cable/lumped/reduction.py", "models/numeric/ops.py"} <= staged
 
