@@ -35,7 +35,7 @@ def runtime_sources(fmi: int) -> dict[str, bytes]:
 def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
     """The members of the archive but for its libraries. ``reference`` is the reference result."""
     interface = traced.interface
-    unit, name = interface.unit, interface.unit.name
+    name = interface.unit.name
     sources = runtime_sources(fmi) | {"model.c": model_source(traced.functions).encode()}
     files = sorted(["unit.c", *(file for file in sources if file.endswith(".c"))])
 
@@ -47,7 +47,7 @@ def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
         else:
             found["modelDescription.xml"] = model_description3(interface, name, token)
             found["sources/buildDescription.xml"] = build_description(name, files)
-        found["documentation/index.html"] = documentation_page(unit, interface.variables).encode()
+        found["documentation/index.html"] = documentation_page(interface.as_built, interface.variables).encode()
         found[f"documentation/{name}_ref.csv"] = reference.encode()
         return found
 
@@ -83,7 +83,7 @@ def build_unit(
 ) -> tuple[Path, bool]:
     """As `build`, of a unit that has no module of its own, such as a scene."""
     traced = trace(unit, structure)
-    return package(traced, reference_result(traced.interface.unit), directory, fmi, platforms)
+    return package(traced, reference_result(traced.interface.as_built), directory, fmi, platforms)
 
 
 def package(traced: Traced, reference: str, directory: Path, fmi: int, platforms: str) -> tuple[Path, bool]:

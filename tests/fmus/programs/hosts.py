@@ -49,7 +49,12 @@ def check_reference_result_reproduces(fmu):
     rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(io.StringIO(table))]
     assert len(rows) == 101 and set(rows[0]) >= {n for n, v in fmu.variables.items() if v.causality == "output"}
     start, _, signals = page.partition("a reference result: ")[2].partition("; ")
+    # the flavours choose how many states to leave out by errors that one measures and the other estimates: their outputs
+    # agree as the parameter ``tolerance`` promises, the margin that shows the error does not
+    estimates = fmu.native and {"tolerance", "reduced"} <= set(fmu.variables)
+    unlike = {"time"} | ({"margin_resolution"} if estimates else set())
     it = fmu.ready({k: float(v) for k, v in (item.split(" = ") for item in start.split(", ") if item)})
+    share = it.value("tolerance") if estimates else 0.0
     signals = signals.partition(", set with its")[0]
     sines = {}
     for item in filter(None, signals.split(", ")):
@@ -63,9 +68,10 @@ def check_reference_result_reproduces(fmu):
             derivatives = {"": s, "_d1": w * c, "_d2": -w * w * s, "_d3": -w * w * w * c}
             assert it.set({name + suffix: float(v) for suffix, v in derivatives.items()}) == OK
         for name, value in row.items():
-            if name != "time":
+            if name not in unlike:
                 # the same numbers again; numpy's sine may differ in the last bit from the one that made the table
-                assert abs(it.value(name) - value) <= 1e-9 * (1.0 + abs(value)), (k, name)
+                allowed = share * max(abs(each[name]) for each in rows) or 1e-9 * (1.0 + abs(value))
+                assert abs(it.value(name) - value) <= allowed, (k, name)
         assert it.step(t, 0.1) == OK
     assert any(abs(rows[0][n] - rows[50][n]) > 1e-3 for n in rows[0] if n != "time")
     it.free()
