@@ -29,10 +29,12 @@ def checks() -> list[Any]:
             units = [ast.literal_eval(a) for a in only.args]
             flavours = [ast.literal_eval(k.value) for k in only.keywords] or FLAVOURS
             for flavour in flavours:
-                # one process of pytest-xdist runs all checks of a program, which it starts once
-                marks = [pytest.mark.xdist_group(f"{name} {flavour}")] + [pytest.mark.slow] * (name in SLOW)
                 listed += [
-                    pytest.param(flavour, name, node.name, unit, marks=marks)
+                    pytest.param(
+                        flavour, name, node.name, unit, marks=[pytest.mark.slow] * (name in SLOW),
+                        # pytest-xdist takes what is before the colons for a scope, and runs it in one process
+                        id=f"{flavour}-{name}::{node.name.removeprefix('check_')}-{unit}",
+                    )
                     for unit in FLAVOURS[flavour] if not units or unit in units
                 ]  # fmt: skip
     return listed
@@ -50,7 +52,7 @@ def results(flavours: Callable[[str], Path], program: Program, tmp_path_factory:
     return run
 
 
-@pytest.mark.parametrize(("flavour", "name", "check", "unit"), checks(), ids=lambda value: value.removeprefix("check_"))
+@pytest.mark.parametrize(("flavour", "name", "check", "unit"), checks())
 def test_artefact(flavour: str, name: str, check: str, unit: str, results: Results) -> None:
     outcomes = results(flavour, name)
     assert (check, unit) in outcomes, "the check did not run"

@@ -19,7 +19,7 @@ from towage.fmus.python.instance import Instance
 from towage.models.numeric.integrate import integrate
 from towage.models.numeric.ops import FLOATS
 
-from .cases import CASES, NATIVE, UNITS
+from .cases import CASES, UNITS
 from .conftest import FLAVOURS, Program
 
 Job = dict[str, Any]
@@ -128,7 +128,6 @@ def played(fmus: Path, program: Program, tmp_path_factory: pytest.TempPathFactor
     return by_unit
 
 
-@pytest.mark.xdist_group("play")
 @pytest.mark.parametrize("unit", UNITS)
 def test_consistency_of_the_fmu_with_the_model(unit: str, played: dict[str, list[Any]]) -> None:
     """Every output of every step: FMU = Instance = functions of the model."""

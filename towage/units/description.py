@@ -126,6 +126,7 @@ class DescriptionReader:
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
 
     def description(self, path: Path, names: list[str]) -> Description:
+        """What the root element says, with the members ``names`` of the archive. Raises `InvalidDescription`."""
         root = self.root
         if root.tag != "fmiModelDescription":
             raise InvalidDescription(f"root element is {root.tag!r}, expected 'fmiModelDescription'")
@@ -178,10 +179,12 @@ class DescriptionReader:
 
     @staticmethod
     def flag(element: ElementTree.Element, key: str) -> bool:
+        """A boolean attribute; false where it is absent."""
         return bool(_number(element, key, _boolean))
 
     @staticmethod
     def unit(element: ElementTree.Element) -> tuple[str, UnitDefinition]:
+        """Name and definition of a ``Unit`` with a ``BaseUnit``. Raises `InvalidDescription`."""
         base = element.find("BaseUnit")
         assert base is not None
         factor, offset = _number(base, "factor", float), _number(base, "offset", float) or 0.0
@@ -191,6 +194,7 @@ class DescriptionReader:
         return element.get("name", ""), UnitDefinition(exponents, 1.0 if factor is None else factor, offset)
 
     def variable(self, element: ElementTree.Element) -> Variable:
+        """A ``ScalarVariable``. Raises `InvalidDescription`."""
         name = element.get("name", "")
         kinds = [child for child in element if child.tag in _KINDS]
         reference = _number(element, "valueReference", int)
