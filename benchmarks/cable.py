@@ -22,7 +22,7 @@ import numpy as np
 from moordyn_tow import FREQUENCY, SPEED, harmonic, tow_case
 
 from towage.master.master import Master
-from towage.models.cable.lumped.linear import LinearModel, tow_elastic
+from towage.models.cable.lumped.linear import StateSpace, tow_elastic
 from towage.models.cable.lumped.nonlinear import nonlinear_cable
 from towage.models.cable.lumped.reduction import reduce
 from towage.models.cable.steady.perturbation import Excitation
@@ -76,7 +76,7 @@ def timed(call: Callable[[], float]) -> float:
     return min(call() for _ in range(3))
 
 
-def linear(model: LinearModel, step: float) -> tuple[float, float]:
+def linear(model: StateSpace, step: float) -> tuple[float, float]:
     """(error, ms a simulated second) of the exact step, bare."""
     operators = exact_step(model.a, model.b, step)
     periods, per = 24, round(5.0 / step)

@@ -23,8 +23,9 @@ from towage.fmus.slender_body import UNIT
 from towage.models.numeric.matrix_ops import numbers
 from towage.models.numeric.ops import FLOATS
 from towage.models.slender import body as slender_body
-from towage.models.slender import plant as slender_plant
+from towage.models.slender import prepared as slender_prepared
 from towage.models.slender import series as slender_series
+from towage.models.slender import setup as slender_setup
 from towage.models.slender.coefficients import Body, coefficients
 from towage.models.slender.damping import fast_mode_damping
 from towage.models.slender.modes import matrices, roots, spectrum
@@ -128,10 +129,10 @@ def modes_table() -> None:
     print("\nThe series has no spectrum of its own: its roots are sought from the exact ones, which flatters it.\n")
 
 
-def base(**changes: float) -> slender_plant.Parameters:
+def base(**changes: float) -> slender_setup.Parameters:
     """The unit's default parameters."""
     values = {v.name: float(v.start or 0.0) for v in UNIT.parameters} | {"bending_stiffness": 2830.194553649008}
-    return slender_plant.Parameters(**(values | changes))
+    return slender_setup.Parameters(**(values | changes))
 
 
 def step_table() -> None:
@@ -141,7 +142,7 @@ def step_table() -> None:
     for n in (2, 6, 10, 14, 18, 24):
         p = base(flexible=0.0) if n == 2 else base(shape_functions=float(n))
         x, m = slender_body.initial(p, FLOATS)
-        made = slender_plant.plant(p)
+        made = slender_prepared.prepare(p)
         counter = iter(range(10**6))
 
         def held(p=p, x=x, m=m) -> object:  # type: ignore[no-untyped-def]
@@ -164,7 +165,7 @@ def step_table() -> None:
 def integrators_table() -> None:
     """The exact step against general integrators on the ramp of the spec, at about equal error."""
     p = base()
-    made = slender_plant.plant(p)
+    made = slender_prepared.prepare(p)
     stop, n = 20.0, 2 * made.n
 
     def speed(t: float) -> float:

@@ -1,73 +1,10 @@
-"""Unit `slender.body`: towed slender body, tow speed and lateral motion of the craft in, force on the craft out."""
+"""Unit `slender_body`: towed slender body, tow speed and lateral motion of the craft in, force on the craft out."""
 
-from ..models.slender import body as slender_body
-from .declare.unit import Unit, calculated, entry, margin, output, parameter
+from ..models.slender.body import SLENDER_BODY
+from .declare.unit import Unit
 
-SPEED, CRAFT = "tow_speed", "craft_lateral"
-
-UNIT = Unit(
-    name="slender_body",
-    description="Towed slender body with tapered ends in lateral motion, flexible or rigid",
-    model=slender_body,
-    parameters=(
-        parameter("length", "m", 10.0, "Length of the body without its ends", display="ft", min=1e-9),
-        parameter("diameter", "m", 0.25, "Diameter", display="ft", min=1e-9),
-        parameter("bending_stiffness", "N.m2", 2830.0, "Bending stiffness EI", min=1e-9),
-        parameter("structural_damping", "N.m2.s", 0.0, "Kelvin-Voigt damping: moment per rate of curvature", min=0.0),
-        parameter("mass_per_length", "kg/m", 0.0, "Mass per length; 0: that of the water displaced", display="lb/ft",
-                  min=0.0),
-        parameter("water_density", "kg/m3", 1025.0, "Density of the water", display="slug/ft3", min=1e-9),
-        parameter("end_length", "m", 0.15, "Length of each half-ellipsoidal end, more than half a diameter", display="ft",
-                  min=1e-12),
-        parameter("tail_cut", "1", 1.0, "Share of the tail's length that is kept: 1 full, towards 0 a flat base",
-                  min=1e-9, max=1.0),
-        parameter("rope_length", "m", 10.0, "Length of the tow rope", display="ft", min=1e-9),
-        parameter("friction_coefficient", "1", 0.025, "Friction coefficient cf on rho U^2 pi D/2 per length", min=0.0),
-        parameter("normal_drag_coefficient", "1", 0.0, "Coefficient cd of the linear normal drag beyond friction",
-                  min=0.0),
-        parameter("theory", "1", 0.0, "0: present, as published; 1: corrected nose terms; 2: modified old", min=0.0,
-                  max=2.0),
-        parameter("nose_factor", "1", 1.0, "f1 of the old theory"),
-        parameter("tail_factor", "1", 1.0, "f2 of the old theory"),
-        parameter("nose_drag", "1", 0.0, "c1 of the old theory"),
-        parameter("flexible", "1", 1.0, "1: flexible; 0: rigid, two pairs of states", min=0.0, max=1.0),
-        parameter("shape_functions", "1", 14.0, "Legendre functions of the flexible body; twice as many states", min=4.0,
-                  max=24.0),
-        parameter("fast_mode_damping", "1", 0.02, "Damping ratio of the modes beyond the resolution, which would grow",
-                  min=0.0, max=1.0),
-        parameter("lateral_start", "m", 0.0, "Lateral position at the start, positive to port", display="ft"),
-        parameter("yaw_start", "rad", 0.0, "Yaw angle at the start, nose to port positive", display="deg"),
-        parameter("slope_limit", "rad", 0.2, "Slope up to which the small-slope theory is trusted", display="deg",
-                  min=1e-9),
-        parameter("buoyancy_limit", "1", 0.1, "Share by which the mass may differ from that of the water displaced",
-                  min=1e-9),
-    ),
-    calculated=(
-        calculated("time_scale", "s", "tau = L^2 sqrt((m + M)/EI)"),
-        calculated("speed_scale", "m/s", "Tow speed at which u = sqrt(M/EI) U L is 1", display="kn"),
-        calculated("resolved_speed", "m/s", "Tow speed up to which the first modes are met to 1e-4, rigid: 5 %",
-                   display="kn"),
-        calculated("towed_mass", "kg", "Mass with the lateral added mass", display="lb"),
-    ),
-    inputs=(
-        entry(SPEED, "m/s", 0.0, "Tow speed", display="kn", min=0.0),
-        entry(CRAFT, "m", 0.0, "Lateral position of the towing craft, positive to port", display="ft"),
-    ),
-    outputs=(
-        output("tension", "N", "Tension of the rope", display="lbf", depends=(SPEED,), rate=True),
-        output("lateral_force", "N", "Lateral force of the rope on the craft, positive to port", display="lbf",
-               depends=(SPEED, CRAFT), rate=True),
-        output("tip", "m", "Lateral position of the nose's tip, positive to port", display="ft", rate=True),
-        output("tail", "m", "Lateral position of the tail, positive to port", display="ft", rate=True),
-        output("rope_angle", "rad", "Angle of the rope, positive with the tip to port of the craft", display="deg",
-               depends=(CRAFT,)),
-        output("yaw_angle", "rad", "Mean slope of the body, positive with the nose to port", display="deg", rate=True),
-        output("growth_rate", "1/s", "Largest real part of the modes at the present speed", depends=(SPEED,)),
-        margin("stability", "min(1, -10 g L/U), g the growth rate; 1 at U = 0", (SPEED,)),
-        margin("small_slope", "1 - largest slope of rope and body / slope_limit", (CRAFT,)),
-        margin("neutral_buoyancy", "1 - |m/M - 1| / buoyancy_limit, M the mass of the water displaced"),
-        margin("resolution", "1 - U / resolved_speed", (SPEED,)),
-    ),
+UNIT = Unit.of(
+    SLENDER_BODY,
     start={"tow_speed": 2.7, "yaw_start": 0.01},
-    reference_inputs={CRAFT: (0.1, 0.5)},
-)  # fmt: skip
+    inputs={"craft_lateral": (0.1, 0.5)},
+)

@@ -8,7 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from .unit import Unit, Variable, local, per_second
+from ...models.protocol.variables import local, per_second
+from .dependencies import dependencies
+from .unit import Layout, Unit, Variable, layout_of, named
 
 Positions = tuple[tuple[int, ...], ...]
 """For each of several things, the positions of others on which it depends."""
@@ -47,46 +49,39 @@ class Interface:
     @cached_property
     def as_built(self) -> Unit:
         """The unit with a reference run that this build can do: structural parameters have the values that it fixed."""
-        return replace(self.unit, start=self.unit.start | dict(self.structure))
+        return replace(self.unit, start={**self.unit.start, **self.structure})
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
         """All of them: shared, states, derivatives of the states, extras."""
         states = tuple(
-            local(f"state.{v.name}", v.unit, v.description, display=v.display, nominal=v.nominal) for v in self.states
+            replace(named(f"state.{v.name}", local(v.unit, v.description, display=v.display)), nominal=v.nominal)
+            for v in self.states
         )
-        rates = tuple(local(f"der({v.name})", per_second(v.unit), f"Time derivative of {v.name}") for v in states)
+        rates = tuple(
+            named(f"der({v.name})", local(per_second(v.unit), f"Time derivative of {v.name}")) for v in states
+        )
         return self.shared + states + rates + self.extras
 
-    @property
-    def first_state(self) -> int:
-        """Value reference of the first state."""
-        return len(self.unit.variables)
-
-    @property
-    def first_derivative(self) -> int:
-        """Value reference of the first state's derivative."""
-        return self.first_state + len(self.states)
-
-    @property
-    def first_extra(self) -> int:
-        """Value reference of the first extra."""
-        return self.first_derivative + len(self.states)
+    @cached_property
+    def layout(self) -> Layout:
+        """Value references by kind."""
+        own = self.unit.layout[:5]
+        return layout_of(*map(len, own), len(self.states), len(self.states), len(self.extras))
 
     def depends(self, reference: int) -> list[int]:
         """Value references of the inputs and states that act without delay on an observed variable or a derivative.
-        Those of observed variables are declared, as an event may act through a mode."""
-        unit = self.unit
-        first_input = unit.index[unit.inputs[0].name] if unit.inputs else 0
-        if reference < self.first_state:
-            inputs = [unit.index[name] for name in unit.variables[reference].depends]
-            position = reference - (self.first_state - len(unit.observed))
+        Those of observed variables are the unit's, as an event may act through a mode."""
+        unit, layout = self.unit, self.layout
+        if reference in layout.observed:
+            inputs = [unit.index[name] for name in dependencies(unit)[unit.variables[reference].name]]
+            position = layout.observed.index(reference)
             states = self.observed_states[position] if self.observed_states else ()
         else:
-            position = reference - self.first_derivative
-            inputs = [first_input + k for k in self.derivative_inputs[position]]
+            position = layout.state_derivatives.index(reference)
+            inputs = [layout.inputs[k] for k in self.derivative_inputs[position]]
             states = self.derivative_states[position]
-        return inputs + [self.first_state + k for k in states]
+        return inputs + [layout.states[k] for k in states]
 
 
 def declared_states(unit: Unit) -> tuple[Variable, ...]:

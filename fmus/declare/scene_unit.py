@@ -1,4 +1,4 @@
-"""A scene as one unit: the declaration that goes with `models.composed`.
+"""A scene as one unit: the declaration that goes with ``models/compose``.
 
 Variables keep their names behind that of their part, ``<part>.<variable>``, with their units, bounds and descriptions;
 start values are those of the scene. Inputs that are connected inside are gone, one ``integration_tolerance`` serves all,
@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from types import ModuleType
 from typing import NamedTuple
 
-from ...models.compose.linear import LinearPart, is_linear
+from ...models.compose.linear import can_be_part, linear_part
 from ...models.compose.model import compose
 from ...models.compose.plan import HELD, CompositionError, Connection
-from .unit import Unit, Variable, local, next_event_time
+from ...models.protocol.model import AnyModel
+from ...models.protocol.variables import NEXT_EVENT, local, rate_of
+from .dependencies import dependencies
+from .unit import Unit, Variable, named
 
 
 class Part(NamedTuple):
@@ -27,61 +29,81 @@ class Part(NamedTuple):
     values: dict[str, float]
 
     @property
-    def model(self) -> ModuleType:
+    def model(self) -> AnyModel:
         """The model that is composed."""
         model = self.unit.model
-        if not is_linear(model):
+        if not can_be_part(model):
             return model
         p = model.Parameters(**{v.name: self.values.get(v.name, v.start) for v in self.unit.parameters})
         try:
-            return LinearPart(model, p)
+            return linear_part(model, p)
         except CompositionError as error:
             raise CompositionError(f"{self.name}: {error}") from None
+
+    def full_name(self, variable: str) -> str:
+        """The name of a variable in the scene."""
+        return f"{self.name}.{variable}"
+
+    def variable(self, v: Variable) -> Variable:
+        """A parameter, input or output in the scene."""
+        start = self.values.get(v.name, v.start)
+        if v.causality == "parameter" and can_be_part(self.unit.model):
+            return replace(v, name=self.full_name(v.name), start=start, min=start, max=start)
+        return replace(v, name=self.full_name(v.name), start=start)
+
+    def observed(self) -> tuple[Variable, ...]:
+        """Outputs and locals in the scene; texts of rates name them in full."""
+        rates = {
+            f"{v.name}_rate": named(f"{self.full_name(v.name)}_rate", rate_of(self.full_name(v.name), v.unit))
+            for v in self.unit.observed if v.causality == "output"
+        }  # fmt: skip
+        return tuple(rates.get(v.name) or self.variable(v) for v in self.unit.observed)
+
+    def states(self, model: AnyModel) -> tuple[Variable, ...]:
+        """The states of ``model`` that no output shows. Those of reduced matrices have no unit, and none is claimed for
+        them."""
+        shown = {v.name for v in self.unit.observed + self.unit.states}
+        other = tuple(
+            named(name, local("1", f"State of the linear unit {self.unit.name}"))
+            for name in model.State._fields if name not in shown
+        )  # fmt: skip
+        return tuple(self.variable(v) for v in self.unit.states + other)
 
 
 def scene_unit(name: str, description: str, parts: Sequence[Part], connections: Sequence[Connection]) -> Unit:
     """The unit called ``name``. Raises `CompositionError` for what cannot be composed."""
-    model = compose({part.name: part.model for part in parts}, connections, name)
-    inner = {c.target: c.source for c in connections}
-    feeds = {(part.name, v.name): v.depends for part in parts for v in part.unit.outputs}
-
-    def depends(part: str, output: str, seen: frozenset[tuple[str, str]] = frozenset()) -> set[str]:
-        """The inputs of the scene that act on an output without delay."""
-        found: set[str] = set()
-        for entry in feeds.get((part, output), ()):
-            if (part, entry) not in inner:
-                found.add(f"{part}.{entry}")
-            elif (part, entry) not in seen:
-                found |= depends(*inner[part, entry], seen | {(part, entry)})
-        return found
-
-    def named(part: Part, v: Variable) -> Variable:
-        start = part.values.get(v.name, v.start)
-        fixed = v.causality == "parameter" and is_linear(part.unit.model)
-        return replace(
-            v, name=f"{part.name}.{v.name}", start=start, depends=tuple(sorted(depends(part.name, v.name))),
-            min=start if fixed else v.min, max=start if fixed else v.max,
-        )  # fmt: skip
-
+    models = {part.name: part.model for part in parts}
+    model = compose(models, connections, name)
+    connected = {c.target for c in connections}
+    clock = (named("next_event_time", NEXT_EVENT),) if model.next_event_time else ()
     return Unit(
         name=name,
         description=description,
         model=model,
-        parameters=tuple(named(part, v) for part in parts for v in part.unit.parameters if v.name != HELD),
-        calculated=tuple(named(part, v) for part in parts for v in part.unit.calculated),
-        inputs=tuple(named(part, v) for part in parts for v in part.unit.inputs if (part.name, v.name) not in inner),
-        outputs=(
-            *(named(part, v) for part in parts for v in part.unit.outputs),
-            *((next_event_time(),) if model.clocks else ()),
+        parameters=tuple(part.variable(v) for part in parts for v in part.unit.parameters if v.name != HELD),
+        calculated=tuple(part.variable(v) for part in parts for v in part.unit.calculated),
+        inputs=tuple(
+            part.variable(v) for part in parts for v in part.unit.inputs if (part.name, v.name) not in connected
         ),
-        states=tuple(named(part, v) for part in parts for v in _states(part, model.parts[part.name])),
+        observed=(*(v for part in parts for v in part.observed()), *clock),
+        states=tuple(v for part in parts for v in part.states(models[part.name])),
+        depends=_dependencies(parts, connections),
     )
 
 
-def _states(part: Part, model: ModuleType) -> tuple[Variable, ...]:
-    """The states that no output shows. Those of reduced matrices have no unit, and none is claimed for them."""
-    shown = {v.name for v in part.unit.observed + part.unit.states}
-    fields: tuple[str, ...] = model.State._fields
-    return part.unit.states + tuple(
-        local(name, "1", f"State of the linear unit {part.unit.name}") for name in fields if name not in shown
-    )
+def _dependencies(parts: Sequence[Part], connections: Sequence[Connection]) -> dict[str, tuple[str, ...]]:
+    """The open inputs of the scene that act on each output without delay: those of its unit, through connections."""
+    inner = {c.target: c.source for c in connections}
+    direct = {(part.name, name): found for part in parts for name, found in dependencies(part.unit).items()}
+
+    def reached(part: str, output: str, seen: frozenset[tuple[str, str]] = frozenset()) -> set[str]:
+        names: set[str] = set()
+        for source in direct.get((part, output), ()):
+            if (part, source) not in inner:
+                names.add(f"{part}.{source}")
+            elif (part, source) not in seen:
+                names |= reached(*inner[part, source], seen | {(part, source)})
+        return names
+
+    found = {f"{part}.{name}": tuple(sorted(reached(part, name))) for part, name in direct}
+    return found | {"next_event_time": ()}

@@ -21,7 +21,7 @@ def documentation_page(unit: Unit, variables: Sequence[Variable] | None = None) 
         "padding:0 1rem}table{border-collapse:collapse}td,th{border:1px solid #bbb;padding:.2rem .5rem;text-align:left}"
         "pre{background:#f4f4f4;padding:1rem;overflow-x:auto;color:#111}</style></head><body>"
         f"<h1>{escape(unit.name)}</h1><p>{escape(unit.description)}.</p>"
-        f"<pre>{escape((unit.model.__doc__ or '').strip())}</pre>\n"
+        f"<pre>{escape(unit.model.documentation)}</pre>\n"
         + "".join(_table(title, variables) for title, variables in variable_groups(unit, variables))
         + f"<p><code>{escape(unit.name)}_ref.csv</code> holds a reference result: {escape(reference_text(unit))}</p>"
         "</body></html>\n"

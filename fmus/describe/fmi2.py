@@ -72,14 +72,13 @@ def _root(unit: Unit, guid: str, indicators: int) -> Element:
 
 def _document(root: Element, interface: Interface) -> bytes:
     preamble(root, interface.variables)
-    variables = SubElement(root, "ModelVariables")
+    variables, layout = SubElement(root, "ModelVariables"), interface.layout
     for reference, v in enumerate(interface.variables):
         real = _variable(variables, reference, v)
-        state = reference - interface.first_state
-        if 0 <= state < len(interface.states) and interface.reinit[state]:
+        if reference in layout.states and interface.reinit[layout.states.index(reference)]:
             real.set("reinit", "true")
-        if interface.first_derivative <= reference < interface.first_extra:
-            real.set("derivative", str(reference - len(interface.states) + 1))
+        if reference in layout.state_derivatives:
+            real.set("derivative", str(layout.states[layout.state_derivatives.index(reference)] + 1))
     _structure(root, interface)
     return document(root)
 
@@ -135,15 +134,13 @@ def _variable(parent: Element, reference: int, v: Variable) -> Element:
 def _structure(root: Element, interface: Interface) -> None:
     structure = SubElement(root, "ModelStructure")
     outputs = [i for i, v in enumerate(interface.variables) if v.causality == "output"]
-    states = range(interface.first_state, interface.first_derivative)
-    derivatives = range(interface.first_derivative, interface.first_extra)
-    calculated = [i for i, v in enumerate(interface.variables) if v.causality == "calculatedParameter"]
-    for title, references in (("Outputs", outputs), ("Derivatives", derivatives)):
+    layout = interface.layout
+    for title, references in (("Outputs", outputs), ("Derivatives", layout.state_derivatives)):
         if references:
             node = SubElement(structure, title)
             for i in references:
                 known = "".join(f" {k + 1}" for k in interface.depends(i)).strip()
                 SubElement(node, "Unknown", index=str(i + 1), dependencies=known)
     node = SubElement(structure, "InitialUnknowns")
-    for i in sorted([*outputs, *calculated, *states, *derivatives]):
+    for i in sorted([*outputs, *layout.calculated, *layout.states, *layout.state_derivatives]):
         SubElement(node, "Unknown", index=str(i + 1))

@@ -33,7 +33,7 @@ CO_SIMULATION = BOTH | {
     "hasEventMode": "false",
 }
 """What the units can do."""
-TIME = Variable("time", "s", "Simulation time", causality="independent", variability="continuous")
+TIME = Variable(name="time", unit="s", description="Simulation time", causality="independent", variability="continuous")
 
 
 def model_description3(interface: Interface, identifier: str, token: str) -> bytes:
@@ -43,15 +43,16 @@ def model_description3(interface: Interface, identifier: str, token: str) -> byt
     SubElement(root, "ModelExchange", {"modelIdentifier": identifier, **MODEL_EXCHANGE})
     SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **CO_SIMULATION})
     preamble(root, (*variables, TIME))
-    node, counts = SubElement(root, "ModelVariables"), lengths(variables)
+    node, counts, layout = SubElement(root, "ModelVariables"), lengths(variables), interface.layout
     for reference, count in enumerate(counts):
         if count:
             element = _variable(node, reference, variables[reference : reference + count])
-            state = reference - interface.first_state
-            if 0 <= state < len(interface.states) and any(interface.reinit[state : state + count]):
-                element.set("reinit", "true")
-            if interface.first_derivative <= reference < interface.first_extra:
-                element.set("derivative", str(reference - len(interface.states)))
+            if reference in layout.states:
+                state = layout.states.index(reference)
+                if any(interface.reinit[state : state + count]):
+                    element.set("reinit", "true")
+            if reference in layout.state_derivatives:
+                element.set("derivative", str(layout.states[layout.state_derivatives.index(reference)]))
     time = len(variables)
     SubElement(
         node, "Float64", name=TIME.name, valueReference=str(time), description=TIME.description, causality=TIME.causality,
@@ -90,11 +91,11 @@ def _dimension(element: Element, count: int) -> None:
 
 
 def _structure(node: Element, interface: Interface, counts: Sequence[int]) -> None:
-    declared = [(i, v) for i, (v, count) in enumerate(zip(interface.variables, counts)) if count]
-    outputs = [i for i, v in declared if v.causality == "output"]
-    states = [i for i, _ in declared if interface.first_state <= i < interface.first_derivative]
-    derivatives = [i for i, _ in declared if interface.first_derivative <= i < interface.first_extra]
-    calculated = [i for i, v in declared if v.causality == "calculatedParameter"]
+    layout = interface.layout
+    outputs = [i for i in layout.observed if counts[i] and interface.variables[i].causality == "output"]
+    calculated, states, derivatives = (
+        [i for i in part if counts[i]] for part in (layout.calculated, layout.states, layout.state_derivatives)
+    )
     time = len(interface.variables)
 
     def known(elements: Iterable[int]) -> str:

@@ -19,8 +19,9 @@ from ..describe.fmi2 import document, native_model_description
 from ..describe.fmi3 import model_description3
 from ..python.build import NAMESPACE
 from . import compiler
-from .source import unit_source
-from .trace import Traced, model_source, trace
+from .source import model_source, unit_source
+from .trace import trace
+from .traced import Traced
 
 RUNTIME = Path(__file__).resolve().parent / "runtime"
 

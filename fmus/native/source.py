@@ -1,15 +1,19 @@
-"""Text of ``unit.c``: a traced unit's sizes, variables and functions in the form of ``native/runtime/unit.h``."""
+"""C text of a traced unit: ``unit.c``, its sizes, variables and functions in the form of ``native/runtime/unit.h``, and
+``model.c``, the functions themselves."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+import re
+from collections import Counter
+from collections.abc import Mapping
 
 import casadi as ca
 
 from ..declare.arrays import lengths
 from ..declare.unit import Variable
-from .trace import Traced
+from .c_text import array, declaration, entry, initializer, number, text
+from .source_linear import linear_text
+from .traced import Traced
 
 CAUSALITY = {"parameter": "PARAMETER", "calculatedParameter": "CALCULATED", "input": "INPUT", "output": "OUTPUT",
              "local": "LOCAL"}  # fmt: skip
@@ -23,20 +27,20 @@ UNIT_FUNCTIONS = (
 def unit_source(traced: Traced, token: str) -> str:
     """The C text. ``token`` is the guid of FMI 2 and the instantiation token of FMI 3."""
     interface, functions = traced.interface, traced.functions
-    unit = interface.unit
+    unit, layout = interface.unit, interface.layout
     names, counts = [v.name for v in unit.parameters], lengths(interface.variables)
     sizes = {
         "variables": len(interface.variables),
         "parameters": len(names),
-        "calculated": len(unit.calculated),
-        "inputs": len(unit.inputs),
-        "observed": len(unit.observed),
-        "states": len(interface.states),
+        "calculated": len(layout.calculated),
+        "inputs": len(layout.inputs),
+        "observed": len(layout.observed),
+        "states": len(layout.states),
         "modes": traced.modes,
         "indicators": interface.indicators,
         "requirements": len(traced.requirements),
         "constants": traced.constants,
-        "extras": len(interface.extras),
+        "extras": len(layout.extras),
         "tolerance": unit.index.get("integration_tolerance", -1),
         "frozen": names.index("freeze_branches") if "freeze_branches" in names else -1,
     }
@@ -60,45 +64,10 @@ def unit_source(traced: Traced, token: str) -> str:
         array("int", "rate", (str(k) for k in _rates(unit.observed))),
         array("int", "length", map(str, counts)) if 0 in counts else "",
         array("char *const", "requirement", map(text, traced.requirements)) if traced.requirements else "",
-        traced.linear,
+        linear_text(traced.linear, functions, names) if traced.linear else "",
         "const Unit towage_unit = {\n" + initializer(fields) + "};\n",
     ]
     return "\n\n".join(part for part in parts if part)
-
-
-def entry(function: ca.Function) -> str:
-    """Initializer of a ``Function``."""
-    sizes = function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w()
-    return f"{{{function.name()}, {', '.join(map(str, sizes))}}}"
-
-
-def declaration(function: ca.Function) -> str:
-    """Prototype of a function of ``model.c``."""
-    return f"int {function.name()}(const double **, double **, Integer *, double *, int);\n"
-
-
-def initializer(fields: Mapping[str, str]) -> str:
-    """Designated initializers, one a line; fields that are not named are zero, a function without ``call``."""
-    return "".join(f"    .{name} = {value},\n" for name, value in fields.items())
-
-
-def array(kind: str, name: str, values: Iterable[str]) -> str:
-    """A constant array, one value a line."""
-    return f"static const {kind} {name}[] = {{\n" + "".join(f"    {value},\n" for value in values) + "};"
-
-
-def text(value: str) -> str:
-    """A string literal."""
-    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-def number(value: float | None, absent: str) -> str:
-    """A double, to the last bit; ``absent`` where there is none."""
-    if value is None:
-        return absent
-    if not math.isfinite(value):
-        raise ValueError(f"{value} in a declaration: expected a finite number")
-    return repr(float(value))
 
 
 def _variable(v: Variable) -> str:
@@ -111,3 +80,38 @@ def _rates(observed: tuple[Variable, ...]) -> list[int]:
     """For each observed variable the position of its time derivative among them, -1 where it is none of them."""
     names = {v.name: i for i, v in enumerate(observed)}
     return [names.get(f"{v.name}_rate", -1) for v in observed]
+
+
+CLEANING = tuple(
+    (re.compile(pattern, re.MULTILINE | re.DOTALL), replacement)
+    for pattern, replacement in (
+        # what CasADi's own loader would ask for: the version, and sizes and names of each function
+        (r"^/\* Configuration this file was compiled with \*/\n.*?^int model_casadi_real_size[^\n]*\n", ""),
+        (r"^(int (model_\w+)\(const casadi_real\*\* arg,.*?^\}\n).*?^int \2_work_bytes.*?^\}\n", r"\1"),
+        (r"^casadi_real (?=casadi_\w+\()", "static casadi_real "),
+        (r"^/\* Pre-c99 compatibility \*/\n", ""),
+        (r"^#if __STDC_VERSION__ < 199901L\n(  return x[<>]y \? x : y;)\n#else\n.*?\n#endif$", r"\1"),
+    )
+)
+
+
+def model_source(functions: Mapping[str, ca.Function]) -> str:
+    """Text of ``model.c``: the functions, each under its own name, and their helpers, which become static.
+
+    ``fmax`` and ``fmin`` take the form of `models.ops.FLOATS` (the second argument where one is NaN), which is also the
+    one that compilers turn into an instruction. Tables that nothing refers to are left out.
+    """
+    generator = ca.CodeGenerator("model.c", {"with_export": False, "casadi_int": "long long"})
+    for function in functions.values():
+        generator.add(function)
+    text = str(generator.dump())
+    for pattern, replacement in CLEANING:
+        text = pattern.sub(replacement, text)
+    uses = Counter(re.findall(r"\bcasadi_[a-z]+\d+\b", text))
+    table = re.compile(r"static const \w+ (casadi_[a-z]+\d+)\b|#define (casadi_[a-z]+\d+) ")
+    lines = []
+    for line in text.splitlines():
+        named = table.match(line)
+        if not (named and uses[named[1] or named[2]] <= 2):  # its definition and its prefixed name
+            lines.append(line)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip() + "\n"

@@ -26,7 +26,8 @@ from pathlib import Path
 from typing import Any
 
 from ..declare.unit import Unit, load
-from .instance import FAILED, CallError, Instance, StepError
+from .instance import Instance
+from .values import FAILED, CallError, StepError
 
 DISCARD, ERROR = 2, 3
 BUILD = (__package__ or "").partition(".")[0]

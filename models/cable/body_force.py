@@ -18,21 +18,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..numeric.ops import Ops, Value
+from ..numeric.ramp import ramp
+from ..protocol.model import AnyModel, Model
+from ..protocol.variables import Rate, input_variable, output, parameter
 
 
 @dataclass(frozen=True)
 class Parameters:
-    """SI. ``ramp_time`` 0: no ramp."""
+    """SI."""
 
-    drag_amplitude: Value
-    drag_phase: Value
-    lift_amplitude: Value
-    lift_phase: Value
-    period: Value
-    ramp_time: Value
+    drag_amplitude: Annotated[Value, parameter("N", 0.0, "Amplitude of the drag", display="lbf")]
+    drag_phase: Annotated[
+        Value, parameter("rad", 0.0, "Phase of the drag: a sin(2 pi t / period + phase)", display="deg")
+    ]
+    lift_amplitude: Annotated[Value, parameter("N", 0.0, "Amplitude of the lift", display="lbf")]
+    lift_phase: Annotated[
+        Value, parameter("rad", 0.0, "Phase of the lift: a sin(2 pi t / period + phase)", display="deg")
+    ]
+    period: Annotated[Value, parameter("s", 8.0, "Period of both", min=1e-9)]
+    ramp_time: Annotated[Value, parameter("s", 0.0, "Duration of a smooth start; 0: none", min=0.0)]
 
 
 class State(NamedTuple):
@@ -44,18 +51,18 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Lift on top of the prescribed one, N."""
+    """What a control surface adds."""
 
-    offset_lift: Value
+    offset_lift: Annotated[Value, input_variable("N", "Lift on top of the prescribed one", display="lbf")]
 
 
 class Outputs(NamedTuple):
-    """Forces, N."""
+    """The forces and their rates."""
 
-    drag_change: Value
-    lift_change: Value
-    drag_change_rate: Value
-    lift_change_rate: Value
+    drag_change: Annotated[Value, output("N", "Change of the body's drag, aft", display="lbf")]
+    lift_change: Annotated[Value, output("N", "Change of the body's lift, up", display="lbf")]
+    drag_change_rate: Rate
+    lift_change_rate: Rate
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -66,13 +73,17 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """The forces and their rates."""
     omega = 2.0 * math.pi / p.period
-    scale = ops.where(p.ramp_time > 0.0, 1.0 / ops.where(p.ramp_time > 0.0, p.ramp_time, 1.0), 0.0)
-    s = ops.where(p.ramp_time > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
-    r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
-    found = []
-    for amplitude, phase in ((p.drag_amplitude, p.drag_phase), (p.lift_amplitude, p.lift_phase)):
-        angle = omega * t + phase
-        found.append((amplitude * r * ops.sin(angle), amplitude * (r1 * ops.sin(angle) + omega * r * ops.cos(angle))))
-    (drag, drag_rate), (lift, lift_rate) = found
-    return Outputs(drag, lift + u[0], drag_rate, lift_rate + du[0])
+    r, r1, _ = ramp(t, p.ramp_time, ops)
+    drag, lift = omega * t + p.drag_phase, omega * t + p.lift_phase
+    return Outputs(
+        p.drag_amplitude * r * ops.sin(drag),
+        p.lift_amplitude * r * ops.sin(lift) + u.offset_lift,
+        p.drag_amplitude * (r1 * ops.sin(drag) + omega * r * ops.cos(drag)),
+        p.lift_amplitude * (r1 * ops.sin(lift) + omega * r * ops.cos(lift)) + du.offset_lift,
+    )
+
+
+BODY_FORCE: AnyModel = Model(
+    "body_force", "Oscillating drag and lift of a towed body, prescribed", Parameters, State, Modes, Inputs, Outputs,
+    initial=initial, outputs=outputs,
+)  # fmt: skip

@@ -28,6 +28,7 @@ import math
 from dataclasses import dataclass, fields
 
 from ..numeric.ops import FLOATS, Ops, Value
+from ..protocol.model import Requirement, refusal_of
 from .loading import Loading
 
 
@@ -115,7 +116,7 @@ class Tow:
 
 @dataclass(frozen=True)
 class TracedTow(Tow):
-    """A tow of symbols, which cannot be refused: its `conditions` are results of the trace."""
+    """A tow of symbols, which cannot be refused: its `requirements` are results of the trace."""
 
     def __post_init__(self) -> None:
         pass
@@ -123,8 +124,6 @@ class TracedTow(Tow):
 
 POSITIVE = {"cable.length", "cable.mass", "cable.axial_stiffness"}
 SIGNED = {"cable.weight", "body.weight", "body.lift"}
-Condition = tuple[Value, str]
-"""A value that must be positive, and what to say where it is not: with the offending number, if it is a number."""
 
 
 def _named(tow: Tow) -> list[tuple[str, Value]]:
@@ -135,8 +134,8 @@ def _named(tow: Tow) -> list[tuple[str, Value]]:
     return [*values, ("speed", tow.speed), ("density", tow.density)]
 
 
-def conditions(tow: Tow, ops: Ops) -> list[Condition]:
-    """What must hold for a tow to make sense."""
+def requirements(tow: Tow, ops: Ops) -> list[Requirement]:
+    """What must hold for a tow to make sense; messages give the offending number, if it is a number."""
 
     def said(value: Value, what: str = " is {:.6g}") -> str:
         return what.format(value) if isinstance(value, (int, float)) else ""
@@ -145,7 +144,7 @@ def conditions(tow: Tow, ops: Ops) -> list[Condition]:
         return ops.where(condition, 1.0, 0.0)
 
     net = tow.body.weight - tow.body.lift
-    found = [
+    required = [
         (
             holds(tow.sign * tow.sign == 1.0),
             f"quadrant{said(tow.quadrant)}: expected 1 (ship tows a body) or 2 (submarine tows a float)",
@@ -154,13 +153,13 @@ def conditions(tow: Tow, ops: Ops) -> list[Condition]:
     for name, value in _named(tow):
         if name == "speed":
             expected = "a speed > 0: at rest the direction of the flow is undefined and the linear drag vanishes"
-            found.append((value, f"speed{said(value)}: expected {expected}"))
+            required.append((value, f"speed{said(value)}: expected {expected}"))
         elif name in POSITIVE:
-            found.append((value, f"{name}{said(value)}: expected a positive number"))
+            required.append((value, f"{name}{said(value)}: expected a positive number"))
         elif name not in SIGNED:
-            found.append((holds(value >= 0.0), f"{name}{said(value)}: expected a number >= 0"))
+            required.append((holds(value >= 0.0), f"{name}{said(value)}: expected a number >= 0"))
     return [
-        *found,
+        *required,
         (
             tow.end_tension,
             "the cable carries no tension at the body (drag 0, lift equals weight): its direction there is undefined; "
@@ -186,4 +185,4 @@ def refusal(tow: Tow) -> str:
             return f"{name} is {value}: expected a finite number"
     if not all(map(math.isfinite, tow.cable.loading.normal + tow.cable.loading.tangential)):
         return f"the loading has a coefficient that is not finite: {tow.cable.loading}"
-    return next((text for value, text in conditions(tow, FLOATS) if not value > 0.0), "")
+    return refusal_of(requirements(tow, FLOATS))

@@ -18,10 +18,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Annotated
 
 from ..numeric.ops import FLOATS, Ops, Value
-from .case import Body, Cable, CableError, Condition, Tow, TracedTow, conditions
+from ..protocol.model import Requirement
+from ..protocol.variables import Quantity, parameter, tunable
+from .case import Body, Cable, CableError, Tow, TracedTow, requirements
 from .loading import Loading, cross_flow, eames
 
 EAMES, CROSS_FLOW, GENERAL = range(3)
@@ -29,64 +31,84 @@ EAMES, CROSS_FLOW, GENERAL = range(3)
 LOADING_FORMS = "loading_form: expected 0 (Eames), 1 (cross-flow) or 2 (ten coefficients)"
 
 
+def coefficient(load: str, term: str) -> Quantity:
+    """A parameter of the ten-coefficient loading: ``normal`` or ``tangential``, a0 to b2."""
+    factor = {"a0": "1", "a1": "cos", "a2": "cos 2", "b1": "sin", "b2": "sin 2"}[term]
+    return tunable("1", 0.0, f"Coefficient of {factor} in the {load} load, loading_form 2")
+
+
 @dataclass(frozen=True)
 class TowParameters:
-    """SI. ``axial_stiffness`` 0: not known, inextensible. Flags are 0 or 1."""
+    """Cable, body and speed, SI."""
 
-    quadrant: float
-    tow_speed: float
-    water_density: float
-    cable_length: float
-    cable_mass: float
-    cable_weight: float
-    cable_thickness: float
-    cable_drag_coefficient: float
-    loading_form: float
-    loading_friction: float
-    normal_a0: float
-    normal_a1: float
-    normal_a2: float
-    normal_b1: float
-    normal_b2: float
-    tangential_a0: float
-    tangential_a1: float
-    tangential_a2: float
-    tangential_b1: float
-    tangential_b2: float
-    added_mass_coefficient: float
-    momentum_added_mass: float
-    axial_stiffness: float
-    body_mass: float
-    body_added_mass_surge: float
-    body_added_mass_heave: float
-    body_weight_in_water: float
-    body_lift: float
-    body_drag: float
-    body_quadratic_drag: float
-    perturbation_limit: float
+    quadrant: Annotated[
+        Value, parameter("1", 1.0, "1: a ship tows a deep body; 2: a submarine tows a float", min=1.0, max=2.0)
+    ]
+    tow_speed: Annotated[Value, tunable("m/s", 3.0867, "Tow speed", display="kn")]
+    water_density: Annotated[Value, tunable("kg/m3", 1025.0, "Density of the water", display="slug/ft3")]
+    cable_length: Annotated[Value, tunable("m", 120.0, "Unstretched length", display="ft")]
+    cable_mass: Annotated[Value, tunable("kg/m", 0.83, "Mass per length", display="slug/ft")]
+    cable_weight: Annotated[Value, tunable("N/m", 6.36, "Weight in water per length", display="lbf/ft")]
+    cable_thickness: Annotated[Value, tunable("m", 0.015, "Thickness", display="in")]
+    cable_drag_coefficient: Annotated[Value, tunable("1", 1.2, "Drag coefficient of the cable across the flow")]
+    loading_form: Annotated[
+        Value, parameter("1", 0.0, "0: Eames; 1: cross-flow; 2: ten coefficients", min=0.0, max=2.0)
+    ]
+    loading_friction: Annotated[
+        Value, tunable("1", 0.03, "Friction f of Eames, or pi Cdt/Cdn of the cross-flow form", min=0.0)
+    ]
+    normal_a0: Annotated[Value, coefficient("normal", "a0")]
+    normal_a1: Annotated[Value, coefficient("normal", "a1")]
+    normal_a2: Annotated[Value, coefficient("normal", "a2")]
+    normal_b1: Annotated[Value, coefficient("normal", "b1")]
+    normal_b2: Annotated[Value, coefficient("normal", "b2")]
+    tangential_a0: Annotated[Value, coefficient("tangential", "a0")]
+    tangential_a1: Annotated[Value, coefficient("tangential", "a1")]
+    tangential_a2: Annotated[Value, coefficient("tangential", "a2")]
+    tangential_b1: Annotated[Value, coefficient("tangential", "b1")]
+    tangential_b2: Annotated[Value, coefficient("tangential", "b2")]
+    added_mass_coefficient: Annotated[
+        Value, tunable("1", 1.0, "Added mass over displaced mass; 1: bare and round", min=0.0)
+    ]
+    momentum_added_mass: Annotated[
+        Value, parameter("1", 0.0, "1: momentum form of the added mass; 0: Morison's", min=0.0, max=1.0)
+    ]
+    axial_stiffness: Annotated[Value, tunable("N", 0.0, "Axial stiffness EA; 0: not known", display="lbf", min=0.0)]
+    body_mass: Annotated[Value, tunable("kg", 900.0, "Mass of the body", display="slug", min=0.0)]
+    body_added_mass_surge: Annotated[
+        Value, tunable("kg", 256.0, "Added mass of the body in surge", display="slug", min=0.0)
+    ]
+    body_added_mass_heave: Annotated[
+        Value, tunable("kg", 256.0, "Added mass of the body in heave", display="slug", min=0.0)
+    ]
+    body_weight_in_water: Annotated[Value, tunable("N", 6313.0, "Weight of the body in water", display="lbf")]
+    body_lift: Annotated[Value, tunable("N", 0.0, "Steady lift of the body", display="lbf")]
+    body_drag: Annotated[Value, tunable("N", 1465.0, "Steady drag of the body", display="lbf", min=0.0)]
+    body_quadratic_drag: Annotated[
+        Value, parameter("1", 1.0, "1: drag goes with speed squared; 0: constant", min=0.0, max=1.0)
+    ]
+    perturbation_limit: Annotated[
+        Value,
+        tunable(
+            "1", 0.21,
+            "Towpoint speed over tow speed at margin 0: 0.042, 0.21, 0.42 for 1, 5, 10 % error of the tension", min=1e-6,
+        ),
+    ]  # fmt: skip
 
 
 @dataclass(frozen=True)
-class LinearParameters(TowParameters):
-    """SI. ``segments`` 0: as many as ``tolerance`` needs up to ``band``, rad/s."""
+class Choice:
+    """How large a linear model is to be, and how near the truth."""
 
-    segments: float
-    tolerance: float
-    band: float
-    reduced: float
-
-
-class Modes(NamedTuple):
-    """No branches."""
-
-
-class TowpointInputs(NamedTuple):
-    """Velocity of the towpoint in the towing frame, m/s, forward and up; change of body drag (aft) and lift, N."""
-
-    velocity_surge: Value
-    velocity_heave: Value
-    body_drag_change: Value
-    body_lift_change: Value
+    segments: Annotated[Value, parameter("1", 0.0, "Number of segments; 0: as many as tolerance needs", min=0.0, max=400.0)]
+    tolerance: Annotated[Value, parameter("1", 0.02, "Relative error of the gains up to band", min=1e-5, max=0.5)]
+    band: Annotated[
+        Value, parameter("rad/s", 2.0, "Highest angular frequency for which tolerance holds", min=1e-3, max=1e3)
+    ]
+    reduced: Annotated[
+        Value,
+        parameter("1", 1.0, "1: reduce the number of states as tolerance allows; 0: keep all", min=0.0, max=1.0),
+    ]
 
 
 def integral(h: Value, cubic: Sequence[Value]) -> Value:
@@ -141,10 +163,10 @@ def traced_tow(p: TowParameters, ops: Ops, extensible: bool = True) -> TracedTow
     cable, body, speed, density = _described(p, ops)
     if not extensible:
         cable = replace(cable, axial_stiffness=math.inf)
-    return TracedTow(cable, body, speed, density, p.quadrant)  # type: ignore[arg-type]
+    return TracedTow(cable, body, speed, density, p.quadrant)
 
 
-def tow_requirements(p: TowParameters, ops: Ops) -> list[Condition]:
+def tow_requirements(p: TowParameters, ops: Ops) -> list[Requirement]:
     """What the parameters of a tow must fulfil."""
     form = ops.where(p.loading_form * (p.loading_form - CROSS_FLOW) * (p.loading_form - GENERAL) == 0.0, 1.0, 0.0)
-    return [(form, LOADING_FORMS), *conditions(traced_tow(p, ops), ops)]
+    return [(form, LOADING_FORMS), *requirements(traced_tow(p, ops), ops)]

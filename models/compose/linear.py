@@ -10,71 +10,75 @@ A unit remembers u'' over a step of its own; here the outputs take it from the c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from types import ModuleType
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ..numeric.dependence import TRACED, Traced
 from ..numeric.ops import FLOATS, Ops, Value
-from ..protocol.linear_model import LinearUnit
+from ..protocol.linear_model import LinearModel, NoModes
+from ..protocol.model import AnyModel, Model, Spelling
 from .plan import CompositionError, named
 
 Row = Sequence[tuple[int, float]]
 """(column, value) of what is not zero in a row of a matrix."""
 
 
-class LinearPart(ModuleType):
-    """``model`` with the parameters ``p``: the interface of a model module, but that ``outputs`` takes ``ddu``. Raises
-    `CompositionError`."""
+class LinearPart:
+    """A linear model, its functions spelled anew, with the parameters ``p``."""
 
-    takes_second = True
-
-    def __init__(self, model: ModuleType, p: Any, spelling: Callable[[ModuleType], Any] = lambda model: model) -> None:
-        super().__init__(model.__name__, __doc__)
-        self.model, self.p, self._spelled = model, p, spelling(model)
-        unmet = (text for value, text in model.requirements(p, FLOATS) if not value > 0.0)
-        if problem := next(unmet, "") or model.problem(p):
-            raise CompositionError(problem)
-        made: LinearUnit = model.prepare(p)
-        self.constants, self._n = made.constants, made.states
-        self.Parameters, self.Inputs, self.Outputs = model.Parameters, model.Inputs, model.Outputs
-        self.Modes, self.Calculated = model.Modes, model.Calculated
-        (a,), (b,), c, d, e, _ = made.setup
+    def __init__(self, model: AnyModel, linear: LinearModel, p: Any, spelling: Spelling) -> None:
+        spelled = spelling(model).linear
+        assert spelled is not None
+        self._model, self.linear, self.p, self._spelled = model, linear, p, spelled
+        unit = linear.prepared(p)
+        self.constants, self._n = unit.constants, unit.states
+        (a,), (b,), c, d, e, _ = unit.setup
         self._a, self._b, self._c, self._d, self._e = ([*map(_row, matrix.tolist())] for matrix in (a, b, c, d, e))
         # what the unit remembers from its own step has no rate and is no state here
-        own, u = ([Traced({k: 1}) for k in range(len(kind._fields))] for kind in (model.Own, model.Inputs))
-        rates = model.own_rates(own, u, u, p, self.constants, TRACED)
+        own = linear.Own._make(Traced({k: 1}) for k in range(len(linear.Own._fields)))
+        u = linear.Inputs._make(Traced({k: 1}) for k in range(len(linear.Inputs._fields)))
+        rates = linear.own_rates(own, u, u, p, self.constants, TRACED) if linear.own_rates else ()
         self._moving = [k for k, rate in enumerate(rates) if isinstance(rate, Traced)]
-        self._second = {f"{name}_d2": k for k, name in enumerate(model.Inputs._fields)}
+        self._second = {f"{name}_d2": k for k, name in enumerate(linear.Inputs._fields)}
         self.State = named(
-            "State", [f"z{k + 1}" for k in range(self._n)] + [model.Own._fields[k] for k in self._moving]
+            "State", [f"z{k + 1}" for k in range(self._n)] + [linear.Own._fields[k] for k in self._moving]
         )
 
-    def over(self, spelling: Callable[[ModuleType], Any]) -> LinearPart:
-        """The same with the functions of the model in another spelling."""
-        return LinearPart(self.model, self.p, spelling)
+    def model(self) -> AnyModel:
+        """The part as a model, whose outputs take u''."""
+        linear = self.linear
+        return Model(
+            linear.name, linear.description, linear.Parameters, self.State, NoModes, linear.Inputs, linear.Outputs,
+            linear.Calculated, initial=self.initial, derivatives=self.derivatives, outputs=self.outputs,
+            calculated=self.calculated, takes_second=True, by_position=True, over=self._over,
+        )  # fmt: skip
+
+    def _over(self, spelling: Spelling) -> AnyModel:
+        return LinearPart(self._model, self.linear, self.p, spelling).model()
 
     def initial(self, p: Any, ops: Ops) -> tuple[Any, Any]:
         """The steady tow."""
-        return self.State([0.0] * len(self.State._fields)), self.Modes()
+        return self.State([0.0] * len(self.State._fields)), NoModes()
 
     def calculated(self, p: Any, ops: Ops) -> Any:
         """What was chosen and found when the part was made."""
-        return self.model.describe(self.p, self.constants, FLOATS)
+        return self.linear.describe(self.p, self.constants, FLOATS)
 
     def derivatives(self, t: Value, x: Any, m: Any, u: Any, p: Any, ops: Ops) -> Any:
         """z', and the rates of the own states."""
-        own, rest = self._own(x), [0.0] * len(u)
+        own, u, rest = self._named(self._own(x), u, [0.0] * len(u))
         v = self._spelled.core(own, u, rest, self.p, self.constants, ops)[0]
-        rates = self._spelled.own_rates(own, u, rest, self.p, self.constants, ops)
+        own_rates = self._spelled.own_rates
+        rates = own_rates(own, u, rest, self.p, self.constants, ops) if own_rates else ()
         return self.State([*self._core_rates(x, v), *(rates[k] for k in self._moving)])
 
     def outputs(self, t: Value, x: Any, m: Any, u: Any, du: Any, ddu: Any, p: Any, ops: Ops) -> Any:
         """All observables."""
         own, z = self._own(x), x[: self._n]
-        for k, name in enumerate(self.model.Own._fields):
+        for k, name in enumerate(self.linear.Own._fields):
             if name in self._second:
                 own[k] = ddu[self._second[name]]
+        own, u, du = self._named(own, u, du)
         v, v1, v2 = self._spelled.core(own, u, du, self.p, self.constants, ops)
         z1 = self._core_rates(x, v)
         y, y_rate = (
@@ -83,8 +87,14 @@ class LinearPart(ModuleType):
         )
         return self._spelled.observe(t, own, y, y_rate, u, du, 0.0, self.p, self.constants, ops)[0]
 
+    def _named(self, own: Any, u: Any, du: Any) -> tuple[Any, Any, Any]:
+        """The same with names, where the functions ask for them."""
+        if self._spelled.by_position:
+            return own, u, du
+        return self.linear.Own._make(own), self.linear.Inputs._make(u), self.linear.Inputs._make(du)
+
     def _own(self, x: Any) -> list[Value]:
-        own: list[Value] = [0.0] * len(self.model.Own._fields)
+        own: list[Value] = [0.0] * len(self.linear.Own._fields)
         for place, k in enumerate(self._moving, self._n):
             own[k] = x[place]
         return own
@@ -93,9 +103,18 @@ class LinearPart(ModuleType):
         return [_dot(a, x) + _dot(b, v) for a, b in zip(self._a, self._b)]
 
 
-def is_linear(model: Any) -> bool:
-    """Whether `LinearPart` can make a part of ``model``: matrices that do not change with its inputs."""
-    return hasattr(model, "core") and hasattr(model, "prepare") and not hasattr(model, "schedule")
+def linear_part(model: AnyModel, p: Any) -> AnyModel:
+    """``model``, which is linear, with the parameters ``p``, its states having rates. Raises `CompositionError`."""
+    linear = model.linear
+    assert linear is not None
+    if refusal := model.refused(p):
+        raise CompositionError(refusal)
+    return LinearPart(model, linear, p, lambda each: each).model()
+
+
+def can_be_part(model: AnyModel) -> bool:
+    """Whether `linear_part` can make a part of ``model``: linear, with matrices that do not change with its inputs."""
+    return model.linear is not None and not model.linear.schedule
 
 
 def _row(values: Iterable[float]) -> Row:
@@ -103,7 +122,7 @@ def _row(values: Iterable[float]) -> Row:
 
 
 def _dot(row: Row, x: Sequence[Value]) -> Value:
-    found: Value = 0.0
+    total: Value = 0.0
     for k, value in row:
-        found = found + value * x[k]
-    return found
+        total = total + value * x[k]
+    return total

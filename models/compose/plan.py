@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
-from types import ModuleType
 from typing import Any, NamedTuple
 
 from ..numeric.dependence import OTHERWISE, TRACED, Traced, degrees_of
-from ..numeric.dual_ops import output_rates, second
+from ..numeric.dual_ops import output_rates
 from ..numeric.ops import Value
+from ..protocol.model import AnyModel
 
 HELD = "freeze_branches"
 """The parameter that makes a part hold its branches; a composition sets it."""
@@ -24,6 +24,10 @@ class Named(tuple[Value, ...]):
     """A tuple whose components have names that need not be identifiers, in ``_fields``."""
 
     _fields: tuple[str, ...] = ()
+
+    @classmethod
+    def _make(cls, values: Iterable[Value]) -> Named:
+        return cls(values)
 
 
 def named(kind: str, names: Iterable[str]) -> type[Named]:
@@ -77,12 +81,12 @@ class Signals:
     """The signals between ``parts``. ``open`` are the inputs that are not connected, ``open_places`` the same by
     position; ``events`` the positions of each part's ``event_*``."""
 
-    def __init__(self, parts: Mapping[str, ModuleType], connections: Sequence[Connection]) -> None:
+    def __init__(self, parts: Mapping[str, AnyModel], connections: Sequence[Connection]) -> None:
         self.parts, self.models = tuple(parts), tuple(parts.values())
         for part, model in parts.items():
-            if not hasattr(model, "State") or (model.State._fields and not hasattr(model, "derivatives")):
+            if model.State is None or (model.State._fields and not model.derivatives):
                 raise CompositionError(
-                    f"{part} cannot be composed: {model.__name__.rpartition('.')[2]} gives no rates x' = f(t, x, u) of a "
+                    f"{part} cannot be composed: {model.name} gives no rates x' = f(t, x, u) of a "
                     "fixed number of states, only steps of its own"
                 )
         self.fed: dict[Target, tuple[int, Feed]] = {}
@@ -99,20 +103,20 @@ class Signals:
 
     def _connect(self, c: Connection) -> None:
         i, j = (self.parts.index(part) for part, _ in (c.source, c.target))
-        outputs, entry = self.models[i].Outputs._fields, self.models[j].Inputs._fields.index(c.target[1])
+        outputs, place = self.models[i].Outputs._fields, self.models[j].Inputs._fields.index(c.target[1])
         value, stated = c.source[1], f"{c.source[1]}_rate" in outputs
         rate = f"{value}_rate" if stated else value
         for kind, output, derived in (("u", value, False), ("du", rate, not stated), ("ddu", rate, True)):
-            self.fed[kind, j, entry] = i, Feed((kind, j, entry), outputs.index(output), derived, c.factor)
-            self.written[kind, j, entry] = str(c)
+            self.fed[kind, j, place] = i, Feed((kind, j, place), outputs.index(output), derived, c.factor)
+            self.written[kind, j, place] = str(c)
 
     def names(self, kind: str) -> Iterable[str]:
         """``<part>.<name>`` of the components of ``State``, ``Outputs``, ... of all parts."""
-        return (f"{part}.{name}" for part, model in zip(self.parts, self.models) for name in _fields(model, kind))
+        return (f"{part}.{name}" for part, model in zip(self.parts, self.models) for name in fields_of(model, kind))
 
     def slices(self, kind: str) -> list[slice]:
         """Where the components of each part are."""
-        sizes = [len(_fields(model, kind)) for model in self.models]
+        sizes = [len(fields_of(model, kind)) for model in self.models]
         return [slice(sum(sizes[:i]), sum(sizes[: i + 1])) for i in range(len(sizes))]
 
     # ---- what depends on what ---------------------------------------------------------------------------------------
@@ -122,7 +126,7 @@ class Signals:
         chosen = range(len(self.parts)) if part is None else (part,)
         return {
             (kind, i, k)
-            for i in chosen if hasattr(self.models[i], function)
+            for i in chosen if FUNCTIONS[function](self.models[i])
             for value in dependence(self.models[i], function)
             for kind, k in value if (kind, i, k) in self.fed
         }  # fmt: skip
@@ -196,24 +200,38 @@ class Signals:
         return Loop(signals, tuple(self._calls(set(signals))))
 
 
-def _fields(model: ModuleType, kind: str) -> tuple[str, ...]:
-    names: tuple[str, ...] = getattr(getattr(model, kind, None), "_fields", ())
-    return names
+def fields_of(model: AnyModel, kind: str) -> tuple[str, ...]:
+    """Names of the components of ``State``, ``Outputs``, ... of a model; none where it has no such kind."""
+    kinds = {"State": model.State, "Modes": model.Modes, "Outputs": model.Outputs, "Calculated": model.Calculated}
+    return kinds[kind]._fields if kinds[kind] else ()
+
+
+FUNCTIONS: dict[str, Callable[[AnyModel], Callable[..., Any] | None]] = {
+    "outputs": lambda model: model.outputs,
+    "derivatives": lambda model: model.derivatives,
+    "indicators": lambda model: model.indicators,
+    "transition": lambda model: model.transition,
+}
+"""The functions that see inputs, by name."""
 
 
 @cache
-def dependence(model: Any, function: str) -> tuple[dict[Any, int], ...]:
+def dependence(model: AnyModel, function: str) -> tuple[dict[Any, int], ...]:
     """For each value that ``function`` of ``model`` returns: the inputs (kind, k) that it depends on, with the degree; of a
     transition, states and modes together. ``output_rates``: see `dual_ops`."""
-    u, du, ddu = ([Traced({(kind, k): 1}) for k in range(len(model.Inputs._fields))] for kind in KINDS)
-    p = model.Parameters(**{f.name: 1.0 if f.name == HELD else Traced() for f in fields(model.Parameters)})
-    x, m = ([Traced() for _ in _fields(model, kind)] for kind in ("State", "Modes"))
+    u, du, ddu = (
+        model.Inputs._make(Traced({(kind, k): 1}) for k in range(len(model.Inputs._fields))) for kind in KINDS
+    )
+    p = model.Parameters(**{f.name: 1.0 if f.name == HELD else Traced() for f in fields(model.Parameters)})  # type: ignore[arg-type]
+    x, m = (kind._make(Traced() for _ in kind._fields) for kind in (model.State, model.Modes))
     if function == "outputs":
-        found = model.outputs(Traced(), x, m, u, du, *second(model, ddu), p, TRACED)
+        values = model.outputs(Traced(), x, m, u, du, *((ddu,) if model.takes_second else ()), p, TRACED)
     elif function == "output_rates":
-        found = output_rates(model, Traced(), x, m, u, du, ddu, p, TRACED)
+        values = output_rates(model, Traced(), x, m, u, du, ddu, p, TRACED)
     else:
-        found = getattr(model, function)(Traced(), x, m, u, p, TRACED)
+        called = FUNCTIONS[function](model)
+        assert called is not None, f"{model.name} has no {function}"
+        values = called(Traced(), x, m, u, p, TRACED)
         if function == "transition":
-            found = (*found[0], *found[1])
-    return tuple(degrees_of(value) for value in found)
+            values = (*values[0], *values[1])
+    return tuple(degrees_of(value) for value in values)

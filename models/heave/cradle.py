@@ -23,9 +23,21 @@ Source: MIT thesis 1969, sections II and III and example 3 (docking); register r
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..numeric.ops import NEVER, Ops, Value
+from ..protocol.model import Model, Requirement
+from ..protocol.variables import (
+    NextEvent,
+    Rate,
+    calculated_parameter,
+    input_variable,
+    local,
+    margin,
+    output,
+    parameter,
+    tunable,
+)
 
 GRAVITY = 9.80665
 REYNOLDS_SHARE = 0.1
@@ -34,28 +46,40 @@ REYNOLDS_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Parameters:
-    """SI. ``docking_time`` < 0: never. ``docked_drag_area`` = 0: unchanged by docking."""
+    """SI."""
 
-    mass: Value
-    added_mass: Value
-    weight_in_water: Value
-    drag_area: Value
-    drag_coefficient: Value
-    water_density: Value
-    drag_length: Value
-    kinematic_viscosity: Value
-    critical_reynolds: Value
-    docking_time: Value
-    submersible_mass: Value
-    submersible_weight_in_water: Value
-    docked_drag_area: Value
-    soft_docking: Value
-    heave_start: Value
-    velocity_start: Value
+    mass: Annotated[Value, parameter("kg", 1000.0, "Mass", display="lb", min=1e-9)]
+    added_mass: Annotated[Value, tunable("kg", 0.0, "Added mass", display="lb", min=0.0)]
+    weight_in_water: Annotated[Value, tunable("N", 0.0, "Weight in water", display="lbf", min=0.0)]
+    drag_area: Annotated[Value, tunable("m2", 0.0, "Reference area of the drag", display="ft2", min=0.0)]
+    drag_coefficient: Annotated[Value, tunable("1", 1.0, "Drag coefficient", min=0.0)]
+    water_density: Annotated[Value, parameter("kg/m3", 1025.0, "Density of the water", display="slug/ft3", min=0.0)]
+    drag_length: Annotated[Value, parameter("m", 1.0, "Length in the Reynolds number", display="ft", min=1e-9)]
+    kinematic_viscosity: Annotated[
+        Value, parameter("m2/s", 1.19e-6, "Kinematic viscosity of the water (sea water, 15 degC)", min=0.0)
+    ]
+    critical_reynolds: Annotated[
+        Value, parameter("1", 1e5, "Reynolds number above which the drag coefficient is constant", min=0.0)
+    ]
+    docking_time: Annotated[Value, parameter("s", -1.0, "Time at which the submersible docks; negative: never")]
+    submersible_mass: Annotated[
+        Value, parameter("kg", 0.0, "Mass of the submersible with its added mass", display="lb", min=0.0)
+    ]
+    submersible_weight_in_water: Annotated[
+        Value, parameter("N", 0.0, "Weight in water of the submersible", display="lbf")
+    ]
+    docked_drag_area: Annotated[
+        Value, parameter("m2", 0.0, "Drag area once docked; 0: unchanged", display="ft2", min=0.0)
+    ]
+    soft_docking: Annotated[
+        Value, parameter("1", 0.0, "1: docking keeps the velocity, as in the thesis; 0: plastic capture", min=0.0, max=1.0)
+    ]
+    heave_start: Annotated[Value, parameter("m", 0.0, "Heave at the start", display="ft")]
+    velocity_start: Annotated[Value, parameter("m/s", 0.0, "Velocity at the start", display="ft/s")]
 
 
 class State(NamedTuple):
-    """Heave, m, and its rate, m/s."""
+    """Heave, m, and its rate, m/s: outputs both."""
 
     heave: Value
     velocity: Value
@@ -67,30 +91,45 @@ class Modes(NamedTuple):
     docked: Value
 
 
-class Inputs(NamedTuple):
-    """Tension of the line, N, and vertical velocity of the submersible at docking, m/s, positive up."""
+Heave = Annotated[
+    Value, output("m", "Heave from the static equilibrium, positive up", display="ft", nominal=1.0)
+]
+Velocity = Annotated[Value, output("m/s", "Heave velocity, positive up", display="ft/s", nominal=1.0)]
+MarginDragReynolds = Annotated[
+    Value, margin("1 - b min(|v|, v_c)^2 / (0.1 W), v_c the speed at the critical Reynolds number")
+]
+Docked = Annotated[Value, local("1", "1 with the submersible aboard", discrete=True)]
+SubmersibleVelocity = Annotated[
+    Value, input_variable("m/s", "Vertical velocity of the submersible when it docks, positive up", display="ft/s")
+]
 
-    line_tension: Value
-    submersible_velocity: Value
+
+class Inputs(NamedTuple):
+    """From the line, and from the submersible at docking."""
+
+    line_tension: Annotated[Value, input_variable("N", "Tension of the line", display="lbf")]
+    submersible_velocity: SubmersibleVelocity
 
 
 class Outputs(NamedTuple):
-    """Motions, m, m/s, m/s2, and the margin of the drag law."""
+    """Motions, and the margin of the drag law."""
 
-    heave: Value
-    velocity: Value
-    acceleration: Value
-    margin_drag_reynolds: Value
-    heave_rate: Value
-    docked: Value
-    next_event_time: Value
+    heave: Heave
+    velocity: Velocity
+    acceleration: Annotated[Value, output("m/s2", "Heave acceleration, positive up", display="ft/s2")]
+    margin_drag_reynolds: MarginDragReynolds
+    heave_rate: Rate
+    docked: Docked
+    next_event_time: NextEvent
 
 
 class Calculated(NamedTuple):
-    """``port_mass``: M before docking, kg. ``drag_factor``: b before docking, kg/m."""
+    """M and b before docking."""
 
-    port_mass: Value
-    drag_factor: Value
+    port_mass: Annotated[Value, calculated_parameter("kg", "Virtual mass before docking", tunable=True)]
+    drag_factor: Annotated[
+        Value, calculated_parameter("kg/m", "Drag per squared velocity before docking", tunable=True)
+    ]
 
 
 def virtual_mass(docked: Value, p: Parameters) -> Value:
@@ -137,7 +176,7 @@ def margin_drag_reynolds(velocity: Value, docked: Value, p: Parameters, ops: Ops
     return 1.0 - drag_factor(docked, p, ops) * slow * slow / (REYNOLDS_SHARE * load)
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """What docks has a mass."""
     text = "docking_time is set but submersible_mass is 0: give the mass that docks, or a negative docking_time"
     return ((ops.where(p.docking_time >= 0.0, p.submersible_mass, 1.0), text),)
@@ -150,34 +189,42 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
     """x', m/s and m/s2."""
-    return State(x[1], acceleration(x[1], m[0], u[0], p, ops))
+    return State(x.velocity, acceleration(x.velocity, m.docked, u.line_tension, p, ops))
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables."""
     y, v = x
-    docked = m[0]
-    a = acceleration(v, docked, u[0], p, ops)
-    margin = margin_drag_reynolds(v, docked, p, ops)
-    return Outputs(y, v, a, margin, v, docked, next_event_time(t, m, p, ops))
+    docked = m.docked
+    a = acceleration(v, docked, u.line_tension, p, ops)
+    return Outputs(y, v, a, margin_drag_reynolds(v, docked, p, ops), v, docked, next_event_time(t, m, p, ops))
 
 
 def indicators(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[Value, ...]:
     """The drag law has a kink where the velocity is zero."""
-    return (x[1],)
+    return (x.velocity,)
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """Docking, when due."""
-    velocity, docked = capture(t, x[1], m[0], u[1], p, ops)
-    return State(x[0], velocity), Modes(docked)
+    velocity, docked = capture(t, x.velocity, m.docked, u.submersible_velocity, p, ops)
+    return State(x.heave, velocity), Modes(docked)
 
 
 def next_event_time(t: Value, m: Modes, p: Parameters, ops: Ops) -> Value:
     """The docking time while it lies ahead, s."""
-    return ops.where(p.docking_time >= 0.0, ops.where(m[0] > 0.5, NEVER, p.docking_time), NEVER)
+    return ops.where(p.docking_time >= 0.0, ops.where(m.docked > 0.5, NEVER, p.docking_time), NEVER)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Inertia at the port, and the drag factor."""
     return Calculated(virtual_mass(0.0, p), drag_factor(0.0, p, ops))
+
+
+CRADLE = Model(
+    "cradle",
+    "Docking cradle on a line: heave with quadratic drag, capture of a submersible",
+    Parameters, State, Modes, Inputs, Outputs, Calculated,
+    initial=initial, derivatives=derivatives, outputs=outputs, indicators=indicators, transition=transition,
+    next_event_time=next_event_time, calculated=calculated, requirements=requirements,
+)  # fmt: skip

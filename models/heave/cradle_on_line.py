@@ -12,9 +12,11 @@ Source: MIT thesis 1969, the equation of motion of section II, and example 2 (sl
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..numeric.ops import Ops, Value
+from ..protocol.model import Model, Requirement
+from ..protocol.variables import NextEvent, Rate, calculated_parameter, input_variable
 from . import cradle, spring_line
 
 
@@ -38,50 +40,52 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Heave of the upper end, m, and velocity of the submersible at docking, m/s, both positive up."""
+    """From the ship, and from the submersible at docking."""
 
-    heave_top: Value
-    submersible_velocity: Value
+    heave_top: Annotated[Value, input_variable("m", "Heave of the upper end, positive up", display="ft")]
+    submersible_velocity: cradle.SubmersibleVelocity
 
 
 class Outputs(NamedTuple):
     """Those of both parts."""
 
-    heave: Value
-    velocity: Value
-    tension: Value
-    reaction: Value
-    margin_taut: Value
-    margin_breaking: Value
-    margin_propagation: Value
-    margin_drag_reynolds: Value
-    heave_rate: Value
-    tension_rate: Value
-    reaction_rate: Value
-    event_taut: Value
-    event_taut_rate: Value
-    taut: Value
-    docked: Value
-    next_event_time: Value
+    heave: cradle.Heave
+    velocity: cradle.Velocity
+    tension: spring_line.Tension
+    reaction: spring_line.Reaction
+    margin_taut: spring_line.MarginTaut
+    margin_breaking: spring_line.MarginBreaking
+    margin_propagation: spring_line.MarginPropagation
+    margin_drag_reynolds: cradle.MarginDragReynolds
+    heave_rate: Rate
+    tension_rate: Rate
+    reaction_rate: Rate
+    event_taut: spring_line.EventTaut
+    event_taut_rate: Rate
+    taut: spring_line.Taut
+    docked: cradle.Docked
+    next_event_time: NextEvent
 
 
 class Calculated(NamedTuple):
-    """K, N/m; M and b before docking, kg and kg/m; sqrt(K/M), rad/s."""
+    """K; M and b before docking; sqrt(K/M)."""
 
-    port_stiffness: Value
-    virtual_mass: Value
-    drag_factor: Value
-    natural_frequency: Value
+    port_stiffness: Annotated[Value, calculated_parameter("N/m", "Stiffness seen at the upper end", tunable=True)]
+    virtual_mass: Annotated[Value, calculated_parameter("kg", "Virtual mass before docking", tunable=True)]
+    drag_factor: Annotated[
+        Value, calculated_parameter("kg/m", "Drag per squared velocity before docking", tunable=True)
+    ]
+    natural_frequency: Annotated[Value, calculated_parameter("rad/s", "sqrt(K/M) before docking", tunable=True)]
 
 
 def _line(y: Value, u: Inputs, taut: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
     """(tension, N; stretch, m)."""
     k = spring_line.stiffness(p, ops)
-    e = spring_line.stretch(u[0], y, p.weight_in_water, k)
+    e = spring_line.stretch(u.heave_top, y, p.weight_in_water, k)
     return spring_line.pull(e, taut, k, 1.0, ops), e
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Those of both parts."""
     return spring_line.requirements(p, ops) + cradle.requirements(p, ops)
 
@@ -93,42 +97,42 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
     """x', m/s and m/s2, on the branch in force."""
-    tension, _ = _line(x[0], u, m[0], p, ops)
-    return State(x[1], cradle.acceleration(x[1], m[1], tension, p, ops))
+    tension, _ = _line(x.heave, u, m.taut, p, ops)
+    return State(x.velocity, cradle.acceleration(x.velocity, m.docked, tension, p, ops))
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables."""
     y, v = x
     k = spring_line.stiffness(p, ops)
-    tension, e = _line(y, u, m[0], p, ops)
+    tension, e = _line(y, u, m.taut, p, ops)
     tension = ops.where(p.freeze_branches > 0.5, tension, ops.maximum(tension, 0.0))
-    e_rate = du[0] - v
-    rate = m[0] * k * e_rate
+    e_rate = du.heave_top - v
+    rate = m.taut * k * e_rate
     taut, breaking, propagation = spring_line.margins(tension, rate, e, k, p.weight_in_water, p, ops)
     return Outputs(
         y, v, tension, tension - p.weight_in_water, taut, breaking, propagation,
-        cradle.margin_drag_reynolds(v, m[1], p, ops), v, rate, rate, e, e_rate, m[0], m[1],
+        cradle.margin_drag_reynolds(v, m.docked, p, ops), v, rate, rate, e, e_rate, m.taut, m.docked,
         next_event_time(t, m, p, ops),
     )  # fmt: skip
 
 
 def indicators(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[Value, ...]:
     """Drag reversal and, unless frozen, the stretch of the line."""
-    _, e = _line(x[0], u, m[0], p, ops)
-    return x[1], ops.where(p.freeze_branches > 0.5, 1.0, e)
+    _, e = _line(x.heave, u, m.taut, p, ops)
+    return x.velocity, ops.where(p.freeze_branches > 0.5, 1.0, e)
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """Branch of the line, and docking when due."""
-    _, e = _line(x[0], u, m[0], p, ops)
-    velocity, docked = cradle.capture(t, x[1], m[1], u[1], p, ops)
-    return State(x[0], velocity), Modes(ops.where(e > 0.0, 1.0, 0.0), docked)
+    _, e = _line(x.heave, u, m.taut, p, ops)
+    velocity, docked = cradle.capture(t, x.velocity, m.docked, u.submersible_velocity, p, ops)
+    return State(x.heave, velocity), Modes(ops.where(e > 0.0, 1.0, 0.0), docked)
 
 
 def next_event_time(t: Value, m: Modes, p: Parameters, ops: Ops) -> Value:
     """The docking time while it lies ahead, s."""
-    return cradle.next_event_time(t, cradle.Modes(m[1]), p, ops)
+    return cradle.next_event_time(t, cradle.Modes(m.docked), p, ops)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
@@ -136,3 +140,12 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     k = spring_line.stiffness(p, ops)
     mass, b = cradle.calculated(p, ops)
     return Calculated(k, mass, b, ops.sqrt(k / mass))
+
+
+CRADLE_ON_LINE = Model(
+    "cradle_on_line",
+    "Docking cradle and its elastic line in one: motion of the upper end in, pull of the line out",
+    Parameters, State, Modes, Inputs, Outputs, Calculated,
+    initial=initial, derivatives=derivatives, outputs=outputs, indicators=indicators, transition=transition,
+    next_event_time=next_event_time, calculated=calculated, requirements=requirements,
+)  # fmt: skip

@@ -20,87 +20,94 @@ of free motion and response is exact because the oscillator is linear.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..numeric.ops import Ops, Value
+from ..numeric.oscillator import acceleration, driven, exact_oscillation, margin_small, natural
+from ..protocol.model import Model
+from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output, parameter, state, tunable
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """SI. ``ramp_time`` = 0: no ramp."""
+class FreeMotion:
+    """The motion without the line, SI."""
 
-    heave_amplitude: Value
-    heave_period: Value
-    heave_phase: Value
-    ramp_time: Value
-    mass: Value
-    damping: Value
-    stiffness: Value
-    sdof_tolerance: Value
+    heave_amplitude: Annotated[Value, parameter("m", 1.0, "Amplitude of the free heave", display="ft")]
+    heave_period: Annotated[Value, parameter("s", 8.0, "Period of the free heave", min=1e-9)]
+    heave_phase: Annotated[
+        Value, parameter("rad", 0.0, "Phase of the free heave: a sin(2 pi t / period + phase)", display="deg")
+    ]
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """What every heaving ship has, SI."""
+
+    ramp_time: Annotated[Value, parameter("s", 0.0, "Duration of a smooth start; 0: none", min=0.0)]
+    mass: Annotated[Value, tunable("kg", 1e6, "Mass with heave added mass", display="lb", min=1e-9)]
+    damping: Annotated[Value, tunable("N.s/m", 0.0, "Linear heave damping", display="lbf.s/ft", min=0.0)]
+    stiffness: Annotated[Value, tunable("N/m", 1e6, "Water-plane stiffness", display="lbf/ft", min=1e-12)]
+    sdof_tolerance: Annotated[
+        Value, parameter("1", 0.05, "Share of the free amplitude by which the line may move the ship", min=1e-9)
+    ]
+
+
+@dataclass(frozen=True)
+class Parameters(Oscillator, FreeMotion):
+    """The motion without the line first, then the oscillator."""
 
 
 class State(NamedTuple):
-    """Response z to the reaction, m, and its rate, m/s."""
+    """The response z and its rate."""
 
-    response: Value
-    response_rate: Value
+    response: Annotated[Value, state("m", "Response to the line's reaction")]
+    response_rate: Annotated[Value, state("m/s", "Its time derivative")]
 
 
 class Modes(NamedTuple):
     """No branches."""
 
 
-class Inputs(NamedTuple):
-    """Excess of the line's pull over its static value, N, positive down on the ship."""
+Reaction = Annotated[
+    Value, input_variable("N", "Excess of the line's pull over its static value, down on the ship", display="lbf")
+]
+Heave = Annotated[Value, output("m", "Heave of the point that holds the line, positive up", display="ft")]
+Velocity = Annotated[Value, output("m/s", "Heave velocity, positive up", display="ft/s")]
+FreeHeave = Annotated[Value, output("m", "Heave without the line's reaction", display="ft")]
 
-    reaction: Value
+
+class Inputs(NamedTuple):
+    """From the line."""
+
+    reaction: Reaction
 
 
 class Outputs(NamedTuple):
-    """``free_heave`` is the prescribed part of ``heave``, m; ``margin_sdof`` tells how far the line moves the ship."""
+    """``free_heave`` is the prescribed part of ``heave``; ``margin_sdof`` tells how far the line moves the ship."""
 
-    heave: Value
-    velocity: Value
-    free_heave: Value
-    margin_sdof: Value
-    heave_rate: Value
-    velocity_rate: Value
-    free_heave_rate: Value
+    heave: Heave
+    velocity: Velocity
+    free_heave: FreeHeave
+    margin_sdof: Annotated[
+        Value, margin("1 - |z| / (sdof_tolerance a), z the response to the line and a the free amplitude")
+    ]
+    heave_rate: Rate
+    velocity_rate: Rate
+    free_heave_rate: Rate
 
 
 class Calculated(NamedTuple):
-    """m1, kg; sqrt(K1/m1), rad/s; c1/(2 sqrt(K1 m1)), -."""
+    """Constants of the heave oscillator."""
 
-    port_mass: Value
-    natural_frequency: Value
-    damping_ratio: Value
-
-
-def ramp(t: Value, ramp_time: Value, ops: Ops) -> tuple[Value, Value, Value]:
-    """r and its first two time derivatives, 1, 1/s, 1/s2."""
-    scale = ops.where(ramp_time > 0.0, 1.0 / ops.where(ramp_time > 0.0, ramp_time, 1.0), 0.0)
-    s = ops.where(ramp_time > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
-    r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    r1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale
-    r2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * scale * scale
-    return r, r1, r2
+    port_mass: Annotated[Value, calculated_parameter("kg", "Mass seen by the line", tunable=True)]
+    natural_frequency: Annotated[Value, calculated_parameter("rad/s", "sqrt(K1/m1)", tunable=True)]
+    damping_ratio: Annotated[Value, calculated_parameter("1", "c1 / (2 sqrt(K1 m1))", tunable=True)]
 
 
 def free_motion(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value, Value]:
     """Free heave, m, its rate, m/s, and acceleration, m/s2."""
-    omega = 2.0 * math.pi / p.heave_period
-    phase = omega * t + p.heave_phase
-    sine, cosine = ops.sin(phase), ops.cos(phase)
-    r, r1, r2 = ramp(t, p.ramp_time, ops)
-    a = p.heave_amplitude
-    return (
-        a * r * sine,
-        a * (r1 * sine + omega * r * cosine),
-        a * ((r2 - omega * omega * r) * sine + 2.0 * omega * r1 * cosine),
-    )
+    return driven(t, p.heave_amplitude, p.heave_period, p.heave_phase, p.ramp_time, ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -108,58 +115,39 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     return State(0.0, 0.0), Modes()
 
 
-def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
+def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Oscillator, ops: Ops) -> State:
     """x' of the response."""
-    return State(x[1], (-u[0] - p.damping * x[1] - p.stiffness * x[0]) / p.mass)
+    z, rate = x
+    return State(rate, acceleration(z, rate, -u.reaction, p.mass, p.damping, p.stiffness))
 
 
-def advance(
-    t: Value, h: Value, x: State, m: Modes, coefficients: Sequence[Sequence[Value]], p: Parameters, ops: Ops
-) -> State:
-    """Exact step of length ``h``, s, for R(t + s) = r0 + r1 s + r2 s^2 + r3 s^3 (``coefficients[0]``): the particular
-    solution is a cubic too, the rest is the free oscillation in closed form (under- or overdamped)."""
-    omega2 = p.stiffness / p.mass
-    decay = 0.5 * p.damping / p.mass
-    r0, r1, r2, r3 = coefficients[0]
-    inverse = -1.0 / p.stiffness
-    delay = p.damping / p.stiffness
-    q3 = inverse * r3
-    q2 = inverse * r2 - 3.0 * delay * q3
-    q1 = inverse * r1 - 2.0 * delay * q2 - 6.0 * q3 / omega2
-    q0 = inverse * r0 - delay * q1 - 2.0 * q2 / omega2
-    z, rate = x[0] - q0, x[1] - q1
-    difference = omega2 - decay * decay
-    b = ops.sqrt(ops.abs(difference))
-    safe = ops.where(b * h > 1e-8, b, 1.0)
-    fast, slow = ops.exp(-(decay + b) * h), ops.exp(-ops.abs(decay - b) * h)
-    envelope = ops.exp(-decay * h)
-    oscillates = difference > 0.0
-    c = ops.where(oscillates, envelope * ops.cos(b * h), 0.5 * (slow + fast))
-    s = ops.where(
-        b * h > 1e-8,
-        ops.where(oscillates, envelope * ops.sin(b * h), 0.5 * (slow - fast)) / safe,
-        envelope * h,
-    )
-    mixed = rate + decay * z
-    return State(
-        c * z + s * mixed + q0 + h * (q1 + h * (q2 + h * q3)),
-        c * rate - s * (omega2 * z + decay * rate) + q1 + h * (2.0 * q2 + h * 3.0 * q3),
-    )
+def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Oscillator, ops: Ops) -> State:
+    """Exact step of length ``h``, s, for a reaction that is a cubic of time."""
+    z, rate = x
+    r0, r1, r2, r3 = cubics.reaction
+    z, rate = exact_oscillation(h, z, rate, (-r0, -r1, -r2, -r3), p.mass, p.damping, p.stiffness, ops)
+    return State(z, rate)
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), e = ``sdof_tolerance``: the one-degree-of-freedom models assume
     that the line does not move the ship (1 where the free motion has no amplitude)."""
-    free, rate, acceleration = free_motion(t, p, ops)
+    free, rate, free_rate2 = driven(t, p.heave_amplitude, p.heave_period, p.heave_phase, p.ramp_time, ops)
     z, z_rate = x
-    z_rate2 = derivatives(t, x, m, u, p, ops)[1]
-    limit = p.sdof_tolerance * ops.abs(p.heave_amplitude)
-    margin = ops.where(limit > 0.0, 1.0 - ops.abs(z) / ops.where(limit > 0.0, limit, 1.0), 1.0)
+    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
+    small = margin_small(z, p.heave_amplitude, p.sdof_tolerance, ops)
     velocity = rate + z_rate
-    return Outputs(free + z, velocity, free, margin, velocity, acceleration + z_rate2, rate)
+    return Outputs(free + z, velocity, free, small, velocity, free_rate2 + z_rate2, rate)
 
 
-def calculated(p: Parameters, ops: Ops) -> Calculated:
+def calculated(p: Oscillator, ops: Ops) -> Calculated:
     """Constants of the heave oscillator."""
-    omega = ops.sqrt(p.stiffness / p.mass)
-    return Calculated(p.mass, omega, 0.5 * p.damping / (p.mass * omega))
+    return Calculated(p.mass, *natural(p.mass, p.damping, p.stiffness, ops))
+
+
+SHIP = Model(
+    "ship",
+    "Ship in heave: prescribed free motion, plus the response of its heave oscillator to the line",
+    Parameters, State, Modes, Inputs, Outputs, Calculated,
+    initial=initial, derivatives=derivatives, advance=advance, outputs=outputs, calculated=calculated,
+)  # fmt: skip

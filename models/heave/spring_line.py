@@ -20,9 +20,21 @@ y - x exceeds W/K). The quasi-static line is the thesis's own argument: 100 ft a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..numeric.ops import Ops, Value
+from ..protocol.model import Model, Requirement
+from ..protocol.variables import (
+    FreezeBranches,
+    Rate,
+    calculated_parameter,
+    input_variable,
+    local,
+    margin,
+    output,
+    parameter,
+    tunable,
+)
 
 PROPAGATION_LIMIT = 0.4
 """Largest omega L/c for which (omega L/c)^2/3, the first term that kL cot kL neglects, stays near 5 %."""
@@ -30,21 +42,26 @@ PROPAGATION_LIMIT = 0.4
 
 @dataclass(frozen=True)
 class Elasticity:
-    """SI. ``stiffness`` = 0: use ``axial_stiffness``/``length``; ``breaking_load`` or ``wave_speed`` = 0: not known."""
+    """What makes the line a spring, SI."""
 
-    stiffness: Value
-    axial_stiffness: Value
-    length: Value
-    breaking_load: Value
-    wave_speed: Value
-    freeze_branches: Value
+    stiffness: Annotated[Value, tunable("N/m", 0.0, "Stiffness K; 0: axial_stiffness / length", display="lbf/ft", min=0.0)]
+    axial_stiffness: Annotated[Value, tunable("N", 1e6, "Axial stiffness EA", display="lbf", min=0.0)]
+    length: Annotated[Value, parameter("m", 30.0, "Length at rest", display="ft", min=0.0)]
+    breaking_load: Annotated[Value, parameter("N", 0.0, "Breaking load; 0: not known", display="lbf", min=0.0)]
+    wave_speed: Annotated[
+        Value,
+        parameter("m/s", 0.0, "Speed of longitudinal waves along the line; 0: not known", display="ft/s", min=0.0),
+    ]
+    freeze_branches: FreezeBranches
 
 
 @dataclass(frozen=True)
 class Parameters(Elasticity):
-    """With the static tension W, N."""
+    """With the static tension."""
 
-    static_tension: Value
+    static_tension: Annotated[
+        Value, tunable("N", 0.0, "Tension at rest: the weight in water carried", display="lbf", min=0.0)
+    ]
 
 
 class State(NamedTuple):
@@ -58,33 +75,52 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Heave of both ends, m, positive up, zero at the static equilibrium."""
+    """Both ends, from the static equilibrium."""
 
-    heave_top: Value
-    heave_bottom: Value
+    heave_top: Annotated[Value, input_variable("m", "Heave of the upper end, positive up", display="ft")]
+    heave_bottom: Annotated[Value, input_variable("m", "Heave of the lower end, positive up", display="ft")]
+
+
+Tension = Annotated[Value, output("N", "Tension, never negative", display="lbf")]
+Reaction = Annotated[
+    Value, output("N", "Excess of the pull over its static value, down on the upper end", display="lbf")
+]
+MarginTaut = Annotated[
+    Value, margin("min(1, K e / W), e the stretch and W the static tension; the line is slack below 0")
+]
+MarginBreaking = Annotated[Value, margin("1 - (T - W)/(T_break - W)")]
+MarginPropagation = Annotated[
+    Value, margin("1 - (L/c) |dT/dt| / (0.4 W), L/c the travel time of a wave along the line")
+]
+EventTaut = Annotated[
+    Value, local("m", "Stretch beyond the unstretched length; the line is taut where it is positive")
+]
+Taut = Annotated[Value, local("1", "Branch in force: 1 taut, 0 slack", discrete=True)]
 
 
 class Outputs(NamedTuple):
-    """``reaction`` is the excess pull on whatever holds the upper end, ``tension`` - W, N."""
+    """Forces of the line, its branch and margins."""
 
-    tension: Value
-    reaction: Value
-    stretch: Value
-    margin_taut: Value
-    margin_breaking: Value
-    margin_propagation: Value
-    tension_rate: Value
-    reaction_rate: Value
-    event_taut: Value
-    event_taut_rate: Value
-    taut: Value
+    tension: Tension
+    reaction: Reaction
+    stretch: Annotated[Value, output("m", "Stretch beyond the unstretched length", display="ft")]
+    margin_taut: MarginTaut
+    margin_breaking: MarginBreaking
+    margin_propagation: MarginPropagation
+    tension_rate: Rate
+    reaction_rate: Rate
+    event_taut: EventTaut
+    event_taut_rate: Rate
+    taut: Taut
 
 
 class Calculated(NamedTuple):
-    """``port_stiffness``: K, N/m. ``unstretched_length``: ``length`` less the static stretch, m."""
+    """K, and ``length`` less the static stretch."""
 
-    port_stiffness: Value
-    unstretched_length: Value
+    port_stiffness: Annotated[Value, calculated_parameter("N/m", "Stiffness seen at both ends", tunable=True)]
+    unstretched_length: Annotated[
+        Value, calculated_parameter("m", "Length before the static tension stretched the line", tunable=True)
+    ]
 
 
 def parallel(*stiffness: float) -> float:
@@ -130,7 +166,7 @@ def margins(
     return taut, breaking, 1.0 - travel_time * ops.abs(tension_rate) / (PROPAGATION_LIMIT * scale)
 
 
-def requirements(p: Elasticity, ops: Ops) -> tuple[tuple[Value, str], ...]:
+def requirements(p: Elasticity, ops: Ops) -> tuple[Requirement, ...]:
     """A line needs its stiffness in one of two ways."""
     given = ops.maximum(p.stiffness, ops.minimum(p.axial_stiffness, p.length))
     text = "stiffness is 0 and so is axial_stiffness / length: give stiffness, or axial_stiffness and length"
@@ -145,9 +181,9 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables; ``du`` are the rates of both ends, m/s."""
     k = stiffness(p, ops)
-    e = stretch(u[0], u[1], p.static_tension, k)
-    e_rate = du[0] - du[1]
-    branch = ops.where(p.freeze_branches > 0.5, m[0], ops.where(e > 0.0, 1.0, 0.0))
+    e = stretch(u.heave_top, u.heave_bottom, p.static_tension, k)
+    e_rate = du.heave_top - du.heave_bottom
+    branch = ops.where(p.freeze_branches > 0.5, m.taut, ops.where(e > 0.0, 1.0, 0.0))
     tension = pull(e, branch, k, p.freeze_branches, ops)
     rate = branch * k * e_rate
     taut, breaking, propagation = margins(tension, rate, e, k, p.static_tension, p, ops)
@@ -158,7 +194,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """The branch at a communication point: taut where the stretch is positive."""
-    e = stretch(u[0], u[1], p.static_tension, stiffness(p, ops))
+    e = stretch(u.heave_top, u.heave_bottom, p.static_tension, stiffness(p, ops))
     return x, Modes(ops.where(e > 0.0, 1.0, 0.0))
 
 
@@ -166,3 +202,11 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Stiffness seen at both ends, and the length before W stretched it (``length`` is measured at rest)."""
     k = stiffness(p, ops)
     return Calculated(k, p.length - p.static_tension / k)
+
+
+SPRING_LINE = Model(
+    "spring_line",
+    "Elastic line between a ship and a suspended body, with slack",
+    Parameters, State, Modes, Inputs, Outputs, Calculated,
+    initial=initial, outputs=outputs, transition=transition, calculated=calculated, requirements=requirements,
+)  # fmt: skip

@@ -44,6 +44,9 @@ DORMAND_PRINCE_8 = Tableau(
     order=8,
 )
 
+REST = 1e-150
+"""Length, m, below which nothing moves: its square would not be a number."""
+
 GRAZING = 1e-11
 """Depth of slack, as a share of the lengths it is the difference of, below which it is beyond the integrator."""
 
@@ -104,13 +107,21 @@ class System:
         return both_ways if self.two_way else one_way
 
     def scales(self, x: Vector) -> Vector:
-        """A length and a speed of the motion for each component of the state, from which tolerances follow."""
+        """A length and a speed of the motion for each component of the state, from which tolerances follow: not less
+        than what rounding moves, and those of a motion of 1 m where nothing moves at all."""
         k, mass = self.stiffness, cradle.virtual_mass(0.0, self.cradle)
         force = abs(self.force_amplitude) / self.ship.stiffness if self.two_way else 0.0
         omega = math.sqrt(k / mass)
         lengths = (*map(abs, x[0::2]), *(abs(v) / omega for v in x[1::2]))
-        length = max(abs(self.ship.heave_amplitude), force, *lengths) or 1.0
+        length = max(abs(self.ship.heave_amplitude), force, *lengths, self.rounding)
+        if length < REST:
+            length = 1.0
         return (length, length * omega) * (len(x) // 2)
+
+    @property
+    def rounding(self) -> float:
+        """What the stretch W/K + x - y cannot tell from zero, m."""
+        return 2.0**-52 * float(self.line.static_tension) / self.stiffness
 
 
 class Simulation:
@@ -137,7 +148,9 @@ class Simulation:
         self.system, self.t, self.rtol = system, t, rtol
         self.x: Vector = (*start, *tail)
         self.n, self._at = len(start), 2 if system.two_way else 0
-        self.atol = (*(0.1 * rtol * s for s in system.scales(start)), *(tail_atol for _ in tail))
+        length, speed = system.scales(start)[:2]
+        share = max(0.1 * rtol, system.rounding / length)  # a small motion of a stretched line: no finer than rounding
+        self.atol = (*(share * length, share * speed) * (len(start) // 2), *(tail_atol for _ in tail))
         self.modes = [1.0, 0.0]
         self._k, self._static = system.stiffness, system.line.static_tension
         self.before_docking: Vector | None = None

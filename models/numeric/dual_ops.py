@@ -115,18 +115,19 @@ def duals(ops: Ops) -> Ops:
     )
 
 
-def second(model: Any, ddu: Sequence[Value]) -> tuple[Sequence[Value], ...]:
-    """(``ddu``,) for a model whose outputs take second derivatives of the inputs, else nothing."""
-    return (ddu,) if getattr(model, "takes_second", False) else ()
-
-
 def output_rates(
     model: Any, t: Value, x: Sequence[Value], m: Any, u: Sequence[Value], du: Sequence[Value], ddu: Sequence[Value],
     p: Any, ops: Ops,
 ) -> list[Value]:  # fmt: skip
     """Time derivatives of all outputs of ``model``, along its own rates, ``du`` and ``ddu``; those of outputs that depend on
     ``ddu`` themselves are wrong, since nothing tells its rate."""
-    rates = model.derivatives(t, x, m, u, p, ops) if len(x) else ()
-    moving = [[Dual(a, b) for a, b in zip(*pair)] for pair in ((x, rates), (u, du), (du, ddu))]
-    seen = model.outputs(Dual(t, 1.0), moving[0], m, *moving[1:], *second(model, [lift(v) for v in ddu]), p, duals(ops))
+    rates = model.derivatives(t, x, m, u, p, ops) if model.derivatives else ()
+    x, u, du = (_like(a, [*map(Dual, a, b)]) for a, b in ((x, rates), (u, du), (du, ddu)))
+    second = (_like(ddu, [*map(lift, ddu)]),) if model.takes_second else ()
+    seen = model.outputs(Dual(t, 1.0), x, m, u, du, *second, p, duals(ops))
     return [lift(v).slope for v in seen]
+
+
+def _like(named: Any, values: list[Dual]) -> Any:
+    """``values`` with the names of ``named``, if it has any."""
+    return values if type(named) in (list, tuple) else type(named)._make(values)

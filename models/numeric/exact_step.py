@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm, matrix_balance
 
-from ..cable.steady.steady import Array
+from .arrays import Array
 
 ORDER = 3
 """Degree of the inputs over a communication step."""

@@ -23,6 +23,22 @@ Rates = Callable[[float, Vector], Sequence[float]]
 Indicators = Callable[[float, Vector], Sequence[float]]
 
 
+SMALLEST = 2.2250738585072014e-308
+"""The smallest normal number: an error of that size is rounding whatever the tolerance, which may have underflowed."""
+
+NEAR = 0.1
+"""Share of its values at both ends of a step below which the vertex of an indicator's parabola is looked at."""
+
+ROUNDING = 1e-9
+"""Share of its value beyond the next zero below which an indicator is zero but for rounding."""
+
+BLIND = 1e-6
+"""Share of a step, begun on a zero, in which the sign is not trusted; four times as much, up to a tenth, with every event
+that cuts a step to less than `SHORT` of itself: where an indicator is zero but for rounding, time goes on."""
+
+SHORT = 1e-3
+
+
 class IntegrationError(ArithmeticError):
     """No acceptable step: the message gives time, step and the state."""
 
@@ -93,7 +109,7 @@ def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: 
         largest = 0.0
         for e, a, b, tiny in zip(error, x, y, atol):
             a, b = abs(a), abs(b)
-            r = abs(e) / (tiny + rtol * (a if a > b else b))
+            r = abs(e) / (tiny + rtol * (a if a > b else b) + SMALLEST)
             if not r <= largest:
                 largest = r
         worst[which] = largest
@@ -130,7 +146,7 @@ def integrate(
     f = rates(t, x)
     g = indicators(t, x) if indicators else ()
     h = first_step if first_step > 0.0 else t_end - t
-    steps = 0
+    steps, blind = 0, BLIND
     while True:
         left = t_end - t
         if left <= 0.0:
@@ -153,9 +169,17 @@ def integrate(
         event = False
         if indicators:
             g_new = indicators(landing, y)
-            if g_new != g and _crossing(g, g_new, indicators, t, x, f, trial, y, f_new):
-                trial, y, f_new, g_new = _locate(step, rates, indicators, t, x, f, g, trial)
-                landing, event = t + trial, True
+            whole = trial
+            if g_new != g:
+                high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+                while high > 0.0:
+                    found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
+                    if not found:  # only the interpolant changes its sign
+                        break
+                    trial, y, f_new, g_new = found
+                    landing, event = t + trial, True
+                    high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+            blind = min(4.0 * blind, 0.1) if event and trial < SHORT * whole else BLIND
             g = g_new
         if on_step:
             on_step(t, x, f, landing, y, f_new)
@@ -176,7 +200,12 @@ def interpolate(s: float, h: float, x: Vector, f: Sequence[float], y: Vector, f_
     return tuple(wx * p + wy * q + wf * r + wg * v for p, q, r, v in zip(x, y, f, f_new))
 
 
-def _crossing(
+def _differ(g: Sequence[float], g_new: Sequence[float]) -> bool:
+    """Whether some indicator has another sign."""
+    return [a > 0.0 for a in g] != [a > 0.0 for a in g_new]
+
+
+def _inside(
     g: Sequence[float],
     g_new: Sequence[float],
     indicators: Indicators,
@@ -186,14 +215,31 @@ def _crossing(
     h: float,
     y: Vector,
     f_new: Sequence[float],
-) -> bool:
-    """Whether some indicator changes sign within the step, looked for at the end and at mid-step."""
-    before = [a > 0.0 for a in g]
-    if before != [a > 0.0 for a in g_new]:
-        return True
-    w = 0.125 * h  # the cubic Hermite interpolant at mid-step
+) -> float:
+    """A place within the step where an indicator that has one sign at both ends has the other, 0 if none is found:
+    looked for on the cubic Hermite interpolant at mid-step, and where the parabola of an indicator through begin,
+    middle and end of the step has its vertex near zero or beyond."""
+    w = 0.125 * h
     middle = tuple([0.5 * (p + q) + w * (r - v) for p, q, r, v in zip(x, y, f, f_new)])
-    return before != [a > 0.0 for a in indicators(t + 0.5 * h, middle)]
+    g_middle = indicators(t + 0.5 * h, middle)
+    if _hidden(g, g_middle, g_new):
+        return 0.5 * h
+    for a, m, b in zip(g, g_middle, g_new):
+        slope = 4.0 * m - 3.0 * a - b
+        bend = 2.0 * (a + b) - 4.0 * m
+        if not slope * a < 0.0 < bend * a or (a > 0.0) != (b > 0.0):
+            continue
+        s = -0.5 * slope / bend
+        bottom = a + 0.5 * s * slope
+        near = bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))
+        if s < 1.0 and near and _hidden(g, indicators(t + s * h, interpolate(s, h, x, f, y, f_new)), g_new):
+            return s * h
+    return 0.0
+
+
+def _hidden(g: Sequence[float], g_middle: Sequence[float], g_new: Sequence[float]) -> bool:
+    """Whether some indicator has one sign at both ends and the other between them."""
+    return any((a > 0.0) == (b > 0.0) != (m > 0.0) for a, m, b in zip(g, g_middle, g_new))
 
 
 def _locate(
@@ -204,13 +250,17 @@ def _locate(
     x: Vector,
     f: Sequence[float],
     g: Sequence[float],
+    high: float,
     h: float,
-) -> tuple[float, Vector, Sequence[float], Sequence[float]]:
-    """The step that ends just beyond the first zero: (length, state, rates, indicators) there.
+    blind: float,
+) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:
+    """The step that ends just beyond the first zero before ``high`` in a step of ``h``: (length, state, rates,
+    indicators) there; None where no sign has changed at ``high``.
 
     Bracketing by true steps with the Illinois rule on the indicator that changes first, and bisection where that rule
     does not halve the bracket in two steps, until it is shorter than 1e-12 of the step or 4 units in the last place of
-    the time.
+    the time. A step often begins on a zero, just located, where the sign is that of rounding for a while: the next zero
+    is sought from ``blind`` of the step on, if no sign has changed there.
     """
 
     def ahead(s: float) -> tuple[Vector, Sequence[float], Sequence[float], int]:
@@ -220,25 +270,30 @@ def _locate(
         best = min(changed, key=lambda i: abs(g[i]) / (abs(g[i]) + abs(g_new[i]) + 1e-300), default=-1)
         return y, f_new, g_new, best
 
-    low, high = 0.0, h
     y, f_new, g_new, which = ahead(high)
-    if which < 0:  # the sign changes only inside: the middle is beyond the first of two zeros
-        high = 0.5 * h
-        y, f_new, g_new, which = ahead(high)
-        if which < 0:
-            return h, *ahead(h)[:3]
-    g_low, g_high, last = g[which], g_new[which], 0
+    if which < 0:
+        return None
     width = max(1e-12 * h, 1e-15 * abs(t))
+    start, g_start = 0.0, g
+    if 0.0 < abs(g[which]) < ROUNDING * abs(g_new[which]):
+        s = min(blind * h, 0.1 * high)
+        _, _, g_s, changed = ahead(s)
+        if changed < 0:
+            start, g_start = s, g_s
+    if blind > 100.0 * BLIND:  # nothing but rounding changes the sign that often: go on
+        width = max(width, blind * h)
+    low, g_low, g_high, last = start, g_start[which], g_new[which], 0
     slow = 0
     for _ in range(200):
         size = high - low
         if size <= width:
             break
-        if slow < 2:
+        if slow < 2 and g_high != g_low:  # halved values may underflow, both to zero
             s = high - g_high * size / (g_high - g_low) + 0.3 * width
         else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
             s, slow = low + 0.5 * size, 0
-        s = min(max(s, low + 0.5 * width), high - 0.5 * width)
+        s = s if s > low + 0.5 * width else low + 0.5 * width  # also where s is no number
+        s = min(s, high - 0.5 * width)
         y_s, f_s, g_s, changed = ahead(s)
         if changed < 0:
             low, g_low = s, g_s[which]
@@ -246,7 +301,7 @@ def _locate(
             last = -1
         elif changed != which:  # another indicator changes before this one
             high, y, f_new, g_new, which = s, y_s, f_s, g_s, changed
-            low, g_low, g_high, last = 0.0, g[which], g_s[which], 0
+            low, g_low, g_high, last = start, g_start[which], g_s[which], 0
             size = 2.0 * high
         else:
             high, y, f_new, g_new, g_high = s, y_s, f_s, g_s, g_s[which]

@@ -21,18 +21,52 @@ head sea). Assumptions: (1) the ship keeps to the route and its times; (2) betwe
 
 from __future__ import annotations
 
+import math
 from dataclasses import make_dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from ..numeric.ops import Ops, Value
+from ..protocol.model import AnyModel, Model
+from ..protocol.variables import Quantity, Rate, margin, output, parameter
 
 POINTS = 25
-COLUMNS = ("x", "y", "heading", "speed", "wave_height", "wave_period", "wave_direction")
+SEA_DIRECTION = "Angle between the course and the waves' travel; pi head sea"
+COLUMNS = {
+    "x": output("m", "Position on the route's plane, x", display="nmi"),
+    "y": output("m", "Position on the route's plane, y", display="nmi"),
+    "heading": output("rad", "Heading, clockwise from north", display="deg"),
+    "speed": output("m/s", "Speed of the ship", display="kn"),
+    "wave_height": output("m", "Significant wave height", display="ft"),
+    "wave_period": output("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height"),
+    "wave_direction": output("rad", SEA_DIRECTION, display="deg"),
+}
+"""What the table holds, and what comes out of it."""
+STARTS = {"speed": 5.0, "wave_height": 3.0, "wave_direction": math.pi}
+"""Of the columns that do not start at 0."""
+
+
+def _points(column: str, meaning: Quantity) -> list[tuple[str, Any]]:
+    """The fields of a column of the table."""
+    return [
+        (
+            f"{column}_{k}",
+            Annotated[Value, parameter(
+                meaning.unit, STARTS.get(column, 0.0), f"{meaning.description}, at {k}/{POINTS - 1} of the duration",
+                display=meaning.display,
+            )],
+        )
+        for k in range(POINTS)
+    ]  # fmt: skip
+
 
 Parameters: Any = make_dataclass(
     "Parameters",
-    [(name, Value) for name in ("duration", "pace", "horizon")]
-    + [(f"{column}_{k}", Value) for column in COLUMNS for k in range(POINTS)],
+    [
+        ("duration", Annotated[Value, parameter("s", 3600.0, "Duration of the voyage", display="h", min=1e-3)]),
+        ("pace", Annotated[Value, parameter("1", 1.0, "Seconds of the voyage that pass in a second", min=0.0)]),
+        ("horizon", Annotated[Value, parameter("s", 0.0, "Time of the last forecast; 0: none", display="h", min=0.0)]),
+        *(field for column, meaning in COLUMNS.items() for field in _points(column, meaning)),
+    ],
     frozen=True,
 )
 
@@ -50,24 +84,24 @@ class Inputs(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Position on the route's plane, m; heading, rad; speed, m/s; sea; share of the voyage done."""
+    """The columns of the table, the share of the voyage done, and rates."""
 
-    x: Value
-    y: Value
-    heading: Value
-    speed: Value
-    wave_height: Value
-    wave_period: Value
-    wave_direction: Value
-    progress: Value
-    margin_forecast: Value
-    x_rate: Value
-    y_rate: Value
-    heading_rate: Value
-    speed_rate: Value
-    wave_height_rate: Value
-    wave_period_rate: Value
-    wave_direction_rate: Value
+    x: Annotated[Value, COLUMNS["x"]]
+    y: Annotated[Value, COLUMNS["y"]]
+    heading: Annotated[Value, COLUMNS["heading"]]
+    speed: Annotated[Value, COLUMNS["speed"]]
+    wave_height: Annotated[Value, COLUMNS["wave_height"]]
+    wave_period: Annotated[Value, COLUMNS["wave_period"]]
+    wave_direction: Annotated[Value, COLUMNS["wave_direction"]]
+    progress: Annotated[Value, output("1", "Share of the voyage done")]
+    margin_forecast: Annotated[Value, margin("1 - voyage time / horizon; 1 without a horizon")]
+    x_rate: Rate
+    y_rate: Rate
+    heading_rate: Rate
+    speed_rate: Rate
+    wave_height_rate: Rate
+    wave_period_rate: Rate
+    wave_direction_rate: Rate
 
 
 def kernel(s: Value, ops: Ops) -> tuple[Value, Value]:
@@ -82,15 +116,15 @@ def kernel(s: Value, ops: Ops) -> tuple[Value, Value]:
 def weights(u: Value, ops: Ops) -> tuple[list[Value], list[Value]]:
     """Weights of the POINTS values at ``u`` in 0 ... POINTS - 1, and their derivatives."""
     pairs = [kernel(u - k, ops) for k in range(-1, POINTS + 1)]
-    found = []
+    both = []
     for part in (0, 1):
         w = [pair[part] for pair in pairs]
         inner, first, last = w[1:-1], w[0], w[-1]
         for k, factor in enumerate((3.0, -3.0, 1.0)):
             inner[k] = inner[k] + factor * first
             inner[-1 - k] = inner[-1 - k] + factor * last
-        found.append(inner)
-    return found[0], found[1]
+        both.append(inner)
+    return both[0], both[1]
 
 
 def initial(p: Any, ops: Ops) -> tuple[State, Modes]:
@@ -118,3 +152,11 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Any, ops: Op
         rates.append(scale * sum(w * v for w, v in zip(slope, f)))
     known = ops.where(p.horizon > 0.0, 1.0 - tau / ops.where(p.horizon > 0.0, p.horizon, 1.0), 1.0)
     return Outputs._make([*values, share, known, *rates])
+
+
+VOYAGE: AnyModel = Model(
+    "voyage",
+    "Voyage along a computed route: position, heading, speed and the sea met, from a table",
+    Parameters, State, Modes, Inputs, Outputs,
+    initial=initial, outputs=outputs,
+)  # fmt: skip

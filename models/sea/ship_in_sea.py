@@ -32,13 +32,16 @@ integer arithmetic for the phases: for floats, not for tracing.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..heave import ship
 from ..numeric.ops import FLOATS, Ops, Value
+from ..numeric.oscillator import acceleration, exact_oscillation
+from ..numeric.ramp import ramp, ramp_integral
+from ..protocol.model import Model, Requirement
+from ..protocol.variables import Rate, input_variable, margin, output, parameter
 from . import heave_response, waves
 from .waves import GRAVITY
 
@@ -49,25 +52,34 @@ CALM = 0.1
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """SI; ``spreading`` < 0: long-crested, else the s of cos^2s. Names in common with `ship` mean the same."""
+class HullAndWaves:
+    """Box of the hull and components of the sea, SI."""
 
-    length: Value
-    breadth: Value
-    draught: Value
-    block_coefficient: Value
-    smith_oblique: Value
-    peakedness: Value
-    components: Value
-    spreading: Value
-    directions: Value
-    seed: Value
-    update_interval: Value
-    ramp_time: Value
-    mass: Value
-    damping: Value
-    stiffness: Value
-    sdof_tolerance: Value
+    length: Annotated[Value, parameter("m", 100.0, "Length of the ship", display="ft", min=1e-3)]
+    breadth: Annotated[Value, parameter("m", 15.0, "Breadth", display="ft", min=1e-3)]
+    draught: Annotated[Value, parameter("m", 5.0, "Draught", display="ft", min=1e-3)]
+    block_coefficient: Annotated[Value, parameter("1", 0.7, "Block coefficient", min=0.1, max=1.0)]
+    smith_oblique: Annotated[
+        Value, parameter("1", 0.0, "Smith factor: 0 exp(-k T), 1 exp(-k |cos beta| T)", min=0.0, max=1.0)
+    ]
+    peakedness: Annotated[
+        Value, parameter("1", 1.0, "gamma of JONSWAP; 1: Bretschneider and Pierson-Moskowitz", min=1.0, max=10.0)
+    ]
+    components: Annotated[Value, parameter("1", 100.0, "Number of wave components", min=1.0, max=300.0)]
+    spreading: Annotated[
+        Value,
+        parameter("1", -1.0, "s of the directional distribution cos^2s; negative: long-crested", min=-1.0, max=40.0),
+    ]
+    directions: Annotated[Value, parameter("1", 8.0, "Number of wave directions, more than s + 2", min=1.0, max=48.0)]
+    seed: Annotated[Value, parameter("1", 1964.0, "Seed of the phases, a whole number", min=0.0, max=9e15)]
+    update_interval: Annotated[
+        Value, parameter("s", 10.0, "Time between looks at the sea, which it then follows smoothly", min=1e-3)
+    ]
+
+
+@dataclass(frozen=True)
+class Parameters(ship.Oscillator, HullAndWaves):
+    """Hull and waves first, then the oscillator of `ship`."""
 
     @property
     def hull(self) -> heave_response.Hull:
@@ -112,40 +124,61 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Reaction as in `ship`, N; significant height, m; peak period, s (0: from the height, Pierson-Moskowitz); angle
-    between course and travel of the waves, rad (pi: head sea); speed, m/s."""
+    """The line as in `ship`, and the sea."""
 
-    reaction: Value
-    wave_height: Value
-    wave_period: Value
-    wave_direction: Value
-    speed: Value
+    reaction: ship.Reaction
+    wave_height: Annotated[Value, input_variable("m", "Significant wave height", start=2.0, display="ft")]
+    wave_period: Annotated[
+        Value, input_variable("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height")
+    ]
+    wave_direction: Annotated[
+        Value,
+        input_variable(
+            "rad", "Angle between the course and the waves' travel; pi head sea", start=math.pi, display="deg"
+        ),
+    ]
+    speed: Annotated[Value, input_variable("m/s", "Speed of the ship", display="kn")]
 
 
 class Outputs(NamedTuple):
-    """As in `ship`; ``significant_heave``: four times the standard deviation of the heave without the line, m."""
+    """As in `ship`; ``significant_heave`` is four times the standard deviation of the heave without the line."""
 
-    heave: Value
-    velocity: Value
-    free_heave: Value
-    significant_heave: Value
-    margin_sdof: Value
-    margin_froude: Value
-    margin_slow_sea: Value
-    heave_rate: Value
-    velocity_rate: Value
-    free_heave_rate: Value
+    heave: ship.Heave
+    velocity: ship.Velocity
+    free_heave: ship.FreeHeave
+    significant_heave: Annotated[
+        Value, output("m", "Significant heave (double amplitude) without the line", display="ft")
+    ]
+    margin_sdof: Annotated[
+        Value, margin("1 - |z| / (sdof_tolerance a), z the response to the line and a the significant amplitude")
+    ]
+    margin_froude: Annotated[Value, margin("1 - V / (0.3 sqrt(g L))")]
+    margin_slow_sea: Annotated[
+        Value,
+        margin("1 - change of the sea a wave period / 0.1, the worst of height, frequency and direction"),
+    ]
+    heave_rate: Rate
+    velocity_rate: Rate
+    free_heave_rate: Rate
 
 
 Calculated = ship.Calculated
-Sea = tuple[float, float, float, float]
-"""Height, m, peak frequency, rad/s, direction, rad, speed, m/s."""
 
 
-def sea_of(u: Sequence[Value]) -> Sea:
+class Sea(NamedTuple):
+    """Significant height, m, peak frequency, rad/s, direction, rad, speed of the ship, m/s."""
+
+    height: float
+    frequency: float
+    direction: float
+    speed: float
+
+
+def sea_of(u: Inputs) -> Sea:
     """The sea that the inputs describe."""
-    height = u[1] if u[1] > 0.0 else 0.0
-    return height, waves.peak_frequency(height if height > CALM else CALM, u[2]), u[3], u[4]
+    height = u.wave_height if u.wave_height > 0.0 else 0.0
+    frequency = waves.peak_frequency(height if height > CALM else CALM, u.wave_period)
+    return Sea(height, frequency, u.wave_direction, u.speed)
 
 
 @lru_cache(maxsize=64)
@@ -164,42 +197,63 @@ def _table(sea: Sea, components: heave_response.Components, hull: heave_response
 
 def _doppler(sea: Sea) -> tuple[float, float]:
     """C' and D', rad/s."""
-    scale = sea[1] * sea[1] * sea[3] / GRAVITY
-    return scale * math.cos(sea[2]), scale * math.sin(sea[2])
+    scale = sea.frequency * sea.frequency * sea.speed / GRAVITY
+    return scale * math.cos(sea.direction), scale * math.sin(sea.direction)
 
 
-def free_motion(t: float, x: Sequence[float], p: Parameters) -> tuple[float, float, float, float]:
+def _seas(x: State) -> tuple[Sea, Sea]:
+    """The sea that was left, and the one that is approached."""
+    return (
+        Sea(x.old_height, x.old_frequency, x.old_direction, x.old_speed),
+        Sea(x.new_height, x.new_frequency, x.new_direction, x.new_speed),
+    )
+
+
+def free_motion(t: float, x: State, p: Parameters) -> tuple[float, float, float, float]:
     """Heave without the line, m, its rate and acceleration, and its variance, m2, without the ramp."""
-    old: Sea = (x[10], x[11], x[12], x[13])
-    new: Sea = (x[14], x[15], x[16], x[17])
-    since = t - (x[8] + x[9] * p.update_interval)
-    sea, hull = p.sea, p.hull
-    a0, w0, v0 = _table(old, sea, hull)
-    (c0, d0), omega0 = _doppler(old), old[1]
-    value = rate = acceleration = 0.0
-    sin, cos = math.sin, math.cos
+    old, new = _seas(x)
+    since, period = t - (x.first_look + x.looks * p.update_interval), p.update_interval
+    (c0, d0), (c1, d1) = _doppler(old), _doppler(new)
+    # how much of the new rates has come in since the last look, s
+    area = 0.0 if old == new else ramp_integral(since, period, FLOATS)
+    phases = (
+        x.peak_phase + (x.peak_phase_low + old.frequency * since + (new.frequency - old.frequency) * area),
+        x.doppler_cos + (x.doppler_cos_low + c0 * since + (c1 - c0) * area),
+        x.doppler_sin + (x.doppler_sin_low + d0 * since + (d1 - d0) * area),
+    )
     if old == new:
-        phase_p = x[2] + (x[3] + omega0 * since)
-        phase_c = x[4] + (x[5] + c0 * since)
-        phase_d = x[6] + (x[7] + d0 * since)
-        for a, w, n, mc, ms, e in zip(a0, w0, sea.x, sea.cos, sea.sin, sea.phase):
-            phi = n * (phase_p - n * (mc * phase_c - ms * phase_d)) + e
-            along, across = a * cos(phi), a * w * sin(phi)
-            value += along
-            rate -= across
-            acceleration -= w * w * along
-        return value, rate, acceleration, v0
-    a1, w1, _ = _table(new, sea, hull)
-    (c1, d1), omega1 = _doppler(new), new[1]
-    period = p.update_interval
-    s = min(1.0, max(0.0, since / period))
-    blend, blend1, blend2 = ship.ramp(s * period, period, FLOATS)
-    area = period * s**4 * (2.5 - 3.0 * s + s * s)
-    phase_p = x[2] + (x[3] + omega0 * since + (omega1 - omega0) * area)
-    phase_c = x[4] + (x[5] + c0 * since + (c1 - c0) * area)
-    phase_d = x[6] + (x[7] + d0 * since + (d1 - d0) * area)
-    variance = 0.0
-    for b0, b1, f0, f1, n, mc, ms, e in zip(a0, a1, w0, w1, sea.x, sea.cos, sea.sin, sea.phase):
+        return _steady_sea(phases, old, p)
+    return _changing_sea(phases, old, new, ramp(min(1.0, max(0.0, since / period)) * period, period, FLOATS), p)
+
+
+Phases = tuple[float, float, float]
+"""P, C and D, rad."""
+
+
+def _steady_sea(phases: Phases, sea: Sea, p: Parameters) -> tuple[float, float, float, float]:
+    """`free_motion` while amplitudes and frequencies stay."""
+    amplitudes, rates, variance = _table(sea, p.sea, p.hull)
+    phase_p, phase_c, phase_d = phases
+    value = rate = acceleration = 0.0
+    sin, cos, c = math.sin, math.cos, p.sea
+    for a, w, n, mc, ms, e in zip(amplitudes, rates, c.x, c.cos, c.sin, c.phase):
+        phi = n * (phase_p - n * (mc * phase_c - ms * phase_d)) + e
+        along, across = a * cos(phi), a * w * sin(phi)
+        value += along
+        rate -= across
+        acceleration -= w * w * along
+    return value, rate, acceleration, variance
+
+
+def _changing_sea(
+    phases: Phases, old: Sea, new: Sea, blending: tuple[float, float, float], p: Parameters
+) -> tuple[float, float, float, float]:
+    """`free_motion` while they go over to those of the new sea by ``blending``, a share and its two rates."""
+    (a0, w0, _), (a1, w1, _) = _table(old, p.sea, p.hull), _table(new, p.sea, p.hull)
+    (phase_p, phase_c, phase_d), (blend, blend1, blend2) = phases, blending
+    value = rate = acceleration = variance = 0.0
+    sin, cos, c = math.sin, math.cos, p.sea
+    for b0, b1, f0, f1, n, mc, ms, e in zip(a0, a1, w0, w1, c.x, c.cos, c.sin, c.phase):
         phi = n * (phase_p - n * (mc * phase_c - ms * phase_d)) + e
         da, dw = b1 - b0, f1 - f0
         a, w = b0 + blend * da, f0 + blend * dw
@@ -211,7 +265,7 @@ def free_motion(t: float, x: Sequence[float], p: Parameters) -> tuple[float, flo
     return value, rate, acceleration, 0.5 * variance
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Enough directions for the spread (`waves`)."""
     text = "directions do not resolve cos^2s with s = spreading: give more than spreading + 2 directions"
     enough = round(p.directions) - round(p.spreading) - 2
@@ -223,9 +277,9 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     return State(*(0.0,) * 11, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), Modes()
 
 
-def transition(t: Value, x: State, m: Modes, u: Sequence[Value], p: Parameters, ops: Ops) -> tuple[State, Modes]:
+def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """Until the first step the sea at the start is what the inputs say."""
-    if x[18] > 0.5:
+    if x.under_way > 0.5:
         return x, m
     sea = sea_of(u)
     return State(*x[:8], t, 0.0, *sea, *sea, 0.0), m
@@ -239,65 +293,81 @@ def _carry(total: float, low: float, more: float) -> tuple[float, float]:
     return result, (total - (result - gone)) + (term - gone)
 
 
-def advance(
-    t: Value, h: Value, x: State, m: Modes, coefficients: Sequence[Sequence[Value]], p: Parameters, ops: Ops
-) -> State:
+def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of the response, as `ship.advance`, and the looks that fall due within the step."""
-    z, z_rate = ship.advance(t, h, ship.State(x[0], x[1]), ship.Modes(), coefficients, _oscillator(p), ops)
+    z, z_rate = _responded(h, x, cubics, p, ops)
     x = State(z, z_rate, *x[2:18], 1.0)
     interval = p.update_interval
     while True:
-        due = x[8] + (x[9] + 1.0) * interval
+        due = x.first_look + (x.looks + 1.0) * interval
         if due > (t + h) * (1.0 + 4e-16):
             return x
         s = due - t
-        sea = sea_of([a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in coefficients])
-        old: Sea = (x[10], x[11], x[12], x[13])
-        new: Sea = (x[14], x[15], x[16], x[17])
-        (c0, d0), (c1, d1) = _doppler(old), _doppler(new)
-        half = 0.5 * interval
-        x = State(
-            x[0], x[1], *_carry(x[2], x[3], half * (old[1] + new[1])), *_carry(x[4], x[5], half * (c0 + c1)),
-            *_carry(x[6], x[7], half * (d0 + d1)), x[8], x[9] + 1.0, *new, *sea, 1.0,
-        )  # fmt: skip
+        x = _looked(x, sea_of(Inputs(*(a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in cubics))), interval)
 
 
-def _oscillator(p: Parameters) -> ship.Parameters:
-    """The parameters of `ship` that its response needs."""
-    return ship.Parameters(0.0, 1.0, 0.0, 0.0, p.mass, p.damping, p.stiffness, p.sdof_tolerance)
+def _responded(h: Value, x: State, cubics: Inputs, p: Parameters, ops: Ops) -> tuple[Value, Value]:
+    """The response to the line and its rate after ``h``, s."""
+    r0, r1, r2, r3 = cubics.reaction
+    force = -r0, -r1, -r2, -r3
+    return exact_oscillation(h, x.response, x.response_rate, force, p.mass, p.damping, p.stiffness, ops)
 
 
-def outputs(t: Value, x: State, m: Modes, u: Sequence[Value], du: Sequence[Value], p: Parameters, ops: Ops) -> Outputs:
+def _looked(x: State, sea: Sea, interval: Value) -> State:
+    """The state after a look that finds ``sea``: phases to the end of the interval, old sea gone, new one ahead."""
+    old, new = _seas(x)
+    (c0, d0), (c1, d1) = _doppler(old), _doppler(new)
+    half = 0.5 * interval
+    return State(
+        x.response, x.response_rate,
+        *_carry(x.peak_phase, x.peak_phase_low, half * (old.frequency + new.frequency)),
+        *_carry(x.doppler_cos, x.doppler_cos_low, half * (c0 + c1)),
+        *_carry(x.doppler_sin, x.doppler_sin_low, half * (d0 + d1)),
+        x.first_look, x.looks + 1.0, *new, *sea, 1.0,
+    )  # fmt: skip
+
+
+def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), a the significant amplitude of the free heave."""
-    value, rate, acceleration, variance = free_motion(t, x, p)
-    r, r1, r2 = ship.ramp(t, p.ramp_time, ops)
+    value, rate, rate2, variance = free_motion(t, x, p)
+    r, r1, r2 = ramp(t, p.ramp_time, ops)
     free, free_rate = r * value, r * rate + r1 * value
-    free_rate2 = r * acceleration + 2.0 * r1 * rate + r2 * value
-    z, z_rate = x[0], x[1]
-    z_rate2 = ship.derivatives(t, ship.State(z, z_rate), ship.Modes(), ship.Inputs(u[0]), _oscillator(p), ops)[1]
+    free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
+    z, z_rate = x.response, x.response_rate
+    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
     deviation = math.sqrt(variance)
     limit = 2.0 * p.sdof_tolerance * deviation
     sdof = 1.0 - abs(z) / limit if limit > 0.0 else 1.0
-    speed = max(abs(x[13]), abs(x[17]))
+    speed = max(abs(x.old_speed), abs(x.new_speed))
     froude = 1.0 - speed / math.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
     return Outputs(
-        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(x, p),
+        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(*_seas(x), p),
         free_rate + z_rate, free_rate2 + z_rate2, free_rate,
     )  # fmt: skip
 
 
-def _slow(x: Sequence[float], p: Parameters) -> float:
+def _slow(old: Sea, new: Sea, p: Parameters) -> float:
     """1 - (relative change of height, of frequency, and of direction in rad, a peak period)/0.1, the worst of them."""
-    height = max(x[10], x[14])
+    height, frequency = max(old.height, new.height), max(new.frequency, old.frequency)
     change = max(
-        abs(x[14] - x[10]) / height if height > CALM else 0.0,
-        abs(x[15] - x[11]) / max(x[15], x[11]),
-        2.0 * abs(math.sin(0.5 * (x[16] - x[12]))) if height > CALM else 0.0,
+        abs(new.height - old.height) / height if height > CALM else 0.0,
+        abs(new.frequency - old.frequency) / frequency,
+        2.0 * abs(math.sin(0.5 * (new.direction - old.direction))) if height > CALM else 0.0,
     )
-    margin: float = 1.0 - change * 2.0 * math.pi / max(x[15], x[11]) / p.update_interval / SLOW
-    return margin
+    slow: float = 1.0 - change * 2.0 * math.pi / frequency / p.update_interval / SLOW
+    return slow
 
 
 def calculated(p: Parameters, ops: Ops) -> ship.Calculated:
     """Constants of the heave oscillator, as in `ship`."""
-    return ship.calculated(_oscillator(p), FLOATS)
+    return ship.calculated(p, FLOATS)
+
+
+SHIP_IN_SEA = Model(
+    "ship_in_sea",
+    "Ship in an irregular sea: closed-form heave response, plus that of its oscillator to the line",
+    Parameters, State, Modes, Inputs, Outputs, Calculated,
+    initial=initial, advance=advance, outputs=outputs, transition=transition, calculated=calculated,
+    requirements=requirements,
+    floats_only="its components are tables made from the seed in integer arithmetic, and their number is a parameter",
+)  # fmt: skip

@@ -35,68 +35,73 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..numeric.ops import Ops, Value
-from ..protocol.linear_model import remembered
-from .plant import SlenderUnit, plant
-from .plant import constants as constants_of
+from ..protocol.linear_model import LinearModel, NoOwn
+from ..protocol.state_space import Setup
+from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output
+from .damping import propagator
+from .prepared import prepare as prepared
+from .prepared import resolved_constants
 from .setup import Constants, Parameters, Size, requirements, setup, size_of, study
 
-__all__ = ["STRUCTURE", "Parameters", "Size", "requirements", "setup", "study"]
-
-STRUCTURE = Size._fields
 PER_LENGTH = 0.1
 """Decay per body length at which the stability margin is 1."""
 
 
-class State(NamedTuple):
-    """Blocks of the state, n components each, one after the other: kappa q (q where kappa < 1), m; q', m/tau. Only their
-    names: n is a parameter, so the state itself is a plain tuple."""
-
-    displacements: Value
-    velocities: Value
-
-
-class Modes(NamedTuple):
-    """No branches."""
-
-
 class Inputs(NamedTuple):
-    """Tow speed, m/s; lateral position of the craft, m, positive to port."""
+    """What the craft does."""
 
-    tow_speed: Value
-    craft_lateral: Value
+    tow_speed: Annotated[Value, input_variable("m/s", "Tow speed", display="kn", min=0.0)]
+    craft_lateral: Annotated[
+        Value, input_variable("m", "Lateral position of the towing craft, positive to port", display="ft")
+    ]
 
 
 class Outputs(NamedTuple):
-    """As in the table of this module; ``tip`` and ``tail`` are lateral positions of the nose's tip and the body's end, m."""
+    """As in the table of this module."""
 
-    tension: Value
-    lateral_force: Value
-    tip: Value
-    tail: Value
-    rope_angle: Value
-    yaw_angle: Value
-    growth_rate: Value
-    margin_stability: Value
-    margin_small_slope: Value
-    margin_neutral_buoyancy: Value
-    margin_resolution: Value
-    tension_rate: Value
-    lateral_force_rate: Value
-    tip_rate: Value
-    tail_rate: Value
-    yaw_angle_rate: Value
+    tension: Annotated[Value, output("N", "Tension of the rope", display="lbf")]
+    lateral_force: Annotated[
+        Value, output("N", "Lateral force of the rope on the craft, positive to port", display="lbf")
+    ]
+    tip: Annotated[Value, output("m", "Lateral position of the nose's tip, positive to port", display="ft")]
+    tail: Annotated[Value, output("m", "Lateral position of the tail, positive to port", display="ft")]
+    rope_angle: Annotated[
+        Value, output("rad", "Angle of the rope, positive with the tip to port of the craft", display="deg")
+    ]
+    yaw_angle: Annotated[
+        Value, output("rad", "Mean slope of the body, positive with the nose to port", display="deg")
+    ]
+    growth_rate: Annotated[Value, output("1/s", "Largest real part of the modes at the present speed")]
+    margin_stability: Annotated[Value, margin("min(1, -10 g L/U), g the growth rate; 1 at U = 0")]
+    margin_small_slope: Annotated[Value, margin("1 - largest slope of rope and body / slope_limit")]
+    margin_neutral_buoyancy: Annotated[
+        Value, margin("1 - |m/M - 1| / buoyancy_limit, M the mass of the water displaced")
+    ]
+    margin_resolution: Annotated[Value, margin("1 - U / resolved_speed")]
+    tension_rate: Rate
+    lateral_force_rate: Rate
+    tip_rate: Rate
+    tail_rate: Rate
+    yaw_angle_rate: Rate
 
 
 class Calculated(NamedTuple):
-    """tau, s; speed of u = 1, m/s; speed up to which the modes are resolved, m/s; mass with the water it drags, kg."""
+    """Scales of the body."""
 
-    time_scale: Value
-    speed_scale: Value
-    resolved_speed: Value
-    towed_mass: Value
+    time_scale: Annotated[Value, calculated_parameter("s", "tau = L^2 sqrt((m + M)/EI)")]
+    speed_scale: Annotated[
+        Value, calculated_parameter("m/s", "Tow speed at which u = sqrt(M/EI) U L is 1", display="kn")
+    ]
+    resolved_speed: Annotated[
+        Value,
+        calculated_parameter(
+            "m/s", "Tow speed up to which the first modes are met to 1e-4, rigid: 5 %", display="kn"
+        ),
+    ]
+    towed_mass: Annotated[Value, calculated_parameter("kg", "Mass with the lateral added mass", display="lb")]
 
 
 def start(p: Parameters, constants: Constants, ops: Ops) -> tuple[tuple[Value, ...], tuple[()]]:
@@ -105,104 +110,72 @@ def start(p: Parameters, constants: Constants, ops: Ops) -> tuple[tuple[Value, .
     return (p.lateral_start, -p.yaw_start * p.length / math.sqrt(12.0), *rest), ()
 
 
-def schedule(u: Sequence[Value], p: Parameters, constants: Constants, ops: Ops) -> Value:
+def schedule(u: Inputs, p: Parameters, constants: Constants, ops: Ops) -> Value:
     """The tow speed u, dimensionless. A negative one, with which no step is made, counts as none."""
-    return ops.maximum(0.0, u[0]) / constants.speed_scale
+    return ops.maximum(0.0, u.tow_speed) / constants.speed_scale
 
 
-def drive(
-    own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
-) -> tuple[Sequence[Value]]:
+def drive(own: NoOwn, cubics: Inputs, p: Parameters, constants: Constants, ops: Ops) -> tuple[Sequence[Value]]:
     """The polynomial of the one core input, the craft's lateral position."""
-    return (cubics[1],)
-
-
-def own_after(
-    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
-) -> tuple[()]:
-    """No own states."""
-    return ()
-
-
-def own_rates(
-    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
-) -> tuple[()]:
-    """No own states."""
-    return ()
+    return (cubics.craft_lateral,)
 
 
 def core(
-    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+    own: NoOwn, u: Inputs, du: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[tuple[Value], tuple[Value], tuple[Value]]:
     """(w, w', 0): y contains no w', so w'' is not asked for."""
-    return (u[1],), (du[1],), (0.0,)
+    return (u.craft_lateral,), (du.craft_lateral,), (0.0,)
 
 
 def observe(
-    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
-    du: Sequence[Value], growth: Value, p: Parameters, constants: Constants, ops: Ops,
+    t: Value, own: NoOwn, y: Sequence[Value], y_rate: Sequence[Value], u: Inputs, du: Inputs, growth: Value,
+    p: Parameters, constants: Constants, ops: Ops,
 ) -> tuple[Outputs, tuple[()]]:  # fmt: skip
     """All observables, from the rows of `setup`; a negative speed as in `schedule`."""
-    speed, w = ops.maximum(0.0, u[0]), u[1]
+    speed, w = ops.maximum(0.0, u.tow_speed), u.craft_lateral
     speed_rate, w_rate = du
-    tip, tail, yaw = y[0], y[1], y[2]
-    tip_rate, tail_rate, yaw_rate = y_rate[0], y_rate[1], y_rate[2]
+    tip, tail, yaw, *slopes = y
+    tip_rate, tail_rate, yaw_rate, *_ = y_rate
     tension, tension_rate = constants.pull * speed * speed, 2.0 * constants.pull * speed * speed_rate
     angle, angle_rate = (tip - w) / p.rope_length, (tip_rate - w_rate) / p.rope_length
     slope = ops.abs(angle)
-    for each in y[3:]:
+    for each in slopes:
         slope = ops.maximum(slope, ops.abs(each))
     moves = speed > 0.0
     decay = ops.where(moves, -growth * p.length / (PER_LENGTH * ops.where(moves, speed, 1.0)), 1.0)
-    found = Outputs(
+    return Outputs(
         tension, tension * angle, tip, tail, angle, yaw, growth, ops.maximum(-1e9, ops.minimum(1.0, decay)),
         1.0 - slope / p.slope_limit,
         1.0 - ops.abs(constants.mass_share - 1.0) / p.buoyancy_limit,
         1.0 - speed / (constants.resolved * constants.speed_scale),
         tension_rate, tension_rate * angle + tension * angle_rate, tip_rate, tail_rate, yaw_rate,
-    )  # fmt: skip
-    return found, ()
+    ), ()  # fmt: skip
 
 
 def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
-    """Scales of the plant."""
+    """Scales of the body."""
     c = constants
     return Calculated(c.time_scale, c.speed_scale, c.resolved * c.speed_scale, c.towed_mass)
 
 
-@remembered
-def ready(p: Parameters) -> SlenderUnit:
-    """The unit of a set of parameters. Raises ``ValueError`` where there is none."""
-    found = constants_of(p)
-    return SlenderUnit(
-        plant(p).setup._replace(constants=found), p, drive, own_after, core, observe, rates=3, schedule=schedule,
-        growth_below=found.fast,
-    )  # fmt: skip
+def prepare(p: Parameters) -> Setup:
+    """The matrices and constants, of numbers. Raises ``ValueError`` where there is no body."""
+    return prepared(p).setup._replace(constants=resolved_constants(p))
 
 
-def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
-    """`start`: 2n states, displacements times their scale, then velocities in m/tau."""
-    return start(p, ready(p).constants, ops)[0], Modes()
-
-
-def advance(
-    t: Value, h: Value, x: Sequence[Value], m: Modes, coefficients: Sequence[Sequence[Value]], p: Parameters, ops: Ops
-) -> tuple[Value, ...]:
-    """Step of ``h``, s: exact for a lateral motion that is a cubic of time, with the tow speed of mid-step. Raises
-    ``ValueError`` for a negative speed."""
-    u0, u1, u2, u3 = coefficients[0]
+def check_step(h: float, cubics: Inputs) -> None:
+    """Raises ``ValueError`` for a step of ``h``, s, with a negative speed at its start or in its middle."""
+    u0, u1, u2, u3 = cubics.tow_speed
     least = min(u0, u0 + 0.5 * h * (u1 + 0.5 * h * (u2 + 0.5 * h * u3)))
     if least < 0.0:
         raise ValueError(f"tow_speed = {least:g} m/s: expected no negative one, the body is towed nose first")
-    return ready(p).advance(h, x, coefficients)
 
 
-def outputs(t: Value, x: Sequence[Value], m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
-    """`observe`."""
-    found: Outputs = ready(p).outputs(t, x, u, du)[0]
-    return found
-
-
-def calculated(p: Parameters, ops: Ops) -> Calculated:
-    """`describe`."""
-    return describe(p, ready(p).constants, ops)
+LINEAR = LinearModel(
+    "slender_body",
+    "Towed slender body with tapered ends in lateral motion, flexible or rigid",
+    Parameters, Inputs, Outputs, Calculated, Size,
+    setup=setup, prepare=prepare, drive=drive, core=core, observe=observe, describe=describe, start=start,
+    schedule=schedule, study=study, requirements=requirements, check_step=check_step, operator=propagator, rates=3,
+)  # fmt: skip
+SLENDER_BODY = LINEAR.as_model()

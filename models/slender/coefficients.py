@@ -36,6 +36,7 @@ from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 from ..numeric.ops import FLOATS, NEVER, Ops, Value
+from ..protocol.model import Requirement, refusal_of
 from .ends import End, Shape, integrals, shape
 
 THEORIES = ("present", "corrected", "modified_old")
@@ -100,7 +101,7 @@ def ends(body: Numbers, ops: Ops) -> Ends:
     return Ends(ellipsoid, nose, signed, tail, drag, hidden, tension)
 
 
-def requirements(body: Numbers, ops: Ops) -> tuple[tuple[Value, str], ...]:
+def requirements(body: Numbers, ops: Ops) -> tuple[Requirement, ...]:
     """(value, message): a theory holds where all values are positive."""
 
     def within(value: Value, low: float, high: float) -> Value:
@@ -129,17 +130,12 @@ def requirements(body: Numbers, ops: Ops) -> tuple[tuple[Value, str], ...]:
     return (*simple, (ops.where(body.theory == 2.0, 1.0, drag), text))
 
 
-def where_met(found: Sequence[tuple[Value, str]], body: Numbers, ops: Ops) -> Numbers:
+def where_met(required: Sequence[Requirement], body: Numbers, ops: Ops) -> Numbers:
     """``body`` where all requirements are met, else one that exists: further ones are asked of what can be computed."""
     met: Value = 1.0
-    for value, _ in found:
+    for value, _ in required:
         met = ops.where(value > 0.0, met, 0.0)
     return Numbers(*(ops.where(met > 0.0, a, b) for a, b in zip(body, Numbers())))
-
-
-def unmet(found: Sequence[tuple[Value, str]]) -> str | None:
-    """The message of the first requirement that is not met (nan is none), None if all are."""
-    return next((text for value, text in found if not value > 0.0), None)
 
 
 @dataclass(frozen=True)
@@ -160,8 +156,7 @@ class Body:
     nose_drag: float = 0.0
 
     def __post_init__(self) -> None:
-        reason = unmet(requirements(self.numbers, FLOATS))
-        if reason:
+        if reason := refusal_of(requirements(self.numbers, FLOATS)):
             raise ValueError(reason)
 
     @property
@@ -197,10 +192,10 @@ class Coefficients(NamedTuple):
     g10: Term
 
 
-def coefficients(body: Numbers, found: Ends, ops: Ops) -> Coefficients:
-    """All coefficients under the body's theory; ``found`` are its ends."""
+def coefficients(body: Numbers, its_ends: Ends, ops: Ops) -> Coefficients:
+    """All coefficients under the body's theory; ``its_ends`` as of `ends`."""
     lam, rope, beta = body.end_length, body.rope_length, body.mass_ratio
-    _, bare, nose, tail, _, drag, pull = found
+    _, bare, nose, tail, _, drag, pull = its_ends
     friction, normal = body.friction, body.friction + body.normal_drag
     root, base = ops.sqrt(beta), 1.0 - body.tail_cut**2
     f1, f2 = body.nose_factor, body.tail_factor

@@ -18,15 +18,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..numeric.matrix_ops import MatrixOps
 from ..numeric.ops import FLOATS, NEVER, Ops, Value
+from ..protocol.model import Requirement, refusal_of
 from ..protocol.state_space import Resolution, Setup, Study
+from ..protocol.variables import parameter
 from . import coefficients as slender_coefficients
-from .coefficients import THEORIES, Body, Numbers, ends, unmet, where_met
+from .coefficients import THEORIES, Body, Numbers, ends, where_met
 from .damping import FAST, fast_mode_damping
 from .galerkin import Matrices, galerkin
 
@@ -40,31 +42,58 @@ FEWEST, MOST, RIGID = 4, 24, 2
 
 @dataclass(frozen=True)
 class Parameters:
-    """SI. ``theory``: 0 present, 1 corrected, 2 modified_old (with the three factors). ``mass_per_length`` = 0: neutrally
-    buoyant."""
+    """SI."""
 
-    length: Value
-    diameter: Value
-    bending_stiffness: Value
-    structural_damping: Value
-    mass_per_length: Value
-    water_density: Value
-    end_length: Value
-    tail_cut: Value
-    rope_length: Value
-    friction_coefficient: Value
-    normal_drag_coefficient: Value
-    theory: Value
-    nose_factor: Value
-    tail_factor: Value
-    nose_drag: Value
-    flexible: Value
-    shape_functions: Value
-    fast_mode_damping: Value
-    lateral_start: Value
-    yaw_start: Value
-    slope_limit: Value
-    buoyancy_limit: Value
+    length: Annotated[Value, parameter("m", 10.0, "Length of the body without its ends", display="ft", min=1e-9)]
+    diameter: Annotated[Value, parameter("m", 0.25, "Diameter", display="ft", min=1e-9)]
+    bending_stiffness: Annotated[Value, parameter("N.m2", 2830.0, "Bending stiffness EI", min=1e-9)]
+    structural_damping: Annotated[
+        Value, parameter("N.m2.s", 0.0, "Kelvin-Voigt damping: moment per rate of curvature", min=0.0)
+    ]
+    mass_per_length: Annotated[
+        Value, parameter("kg/m", 0.0, "Mass per length; 0: that of the water displaced", display="lb/ft", min=0.0)
+    ]
+    water_density: Annotated[Value, parameter("kg/m3", 1025.0, "Density of the water", display="slug/ft3", min=1e-9)]
+    end_length: Annotated[
+        Value,
+        parameter("m", 0.15, "Length of each half-ellipsoidal end, more than half a diameter", display="ft", min=1e-12),
+    ]
+    tail_cut: Annotated[
+        Value,
+        parameter("1", 1.0, "Share of the tail's length that is kept: 1 full, towards 0 a flat base", min=1e-9, max=1.0),
+    ]
+    rope_length: Annotated[Value, parameter("m", 10.0, "Length of the tow rope", display="ft", min=1e-9)]
+    friction_coefficient: Annotated[
+        Value, parameter("1", 0.025, "Friction coefficient cf on rho U^2 pi D/2 per length", min=0.0)
+    ]
+    normal_drag_coefficient: Annotated[
+        Value, parameter("1", 0.0, "Coefficient cd of the linear normal drag beyond friction", min=0.0)
+    ]
+    theory: Annotated[
+        Value,
+        parameter("1", 0.0, "0: present, as published; 1: corrected nose terms; 2: modified old", min=0.0, max=2.0),
+    ]
+    nose_factor: Annotated[Value, parameter("1", 1.0, "f1 of the old theory")]
+    tail_factor: Annotated[Value, parameter("1", 1.0, "f2 of the old theory")]
+    nose_drag: Annotated[Value, parameter("1", 0.0, "c1 of the old theory")]
+    flexible: Annotated[Value, parameter("1", 1.0, "1: flexible; 0: rigid, two pairs of states", min=0.0, max=1.0)]
+    shape_functions: Annotated[
+        Value, parameter("1", 14.0, "Legendre functions of the flexible body; twice as many states", min=4.0, max=24.0)
+    ]
+    fast_mode_damping: Annotated[
+        Value,
+        parameter("1", 0.02, "Damping ratio of the modes beyond the resolution, which would grow", min=0.0, max=1.0),
+    ]
+    lateral_start: Annotated[
+        Value, parameter("m", 0.0, "Lateral position at the start, positive to port", display="ft")
+    ]
+    yaw_start: Annotated[Value, parameter("rad", 0.0, "Yaw angle at the start, nose to port positive", display="deg")]
+    slope_limit: Annotated[
+        Value, parameter("rad", 0.2, "Slope up to which the small-slope theory is trusted", display="deg", min=1e-9)
+    ]
+    buoyancy_limit: Annotated[
+        Value, parameter("1", 0.1, "Share by which the mass may differ from that of the water displaced", min=1e-9)
+    ]
 
 
 class Size(NamedTuple):
@@ -145,11 +174,11 @@ def dimensionless(p: Parameters, ops: Ops) -> Numbers:
     )  # fmt: skip
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """What a body needs: numbers in SI first, then what `coefficients.requirements` asks, and a taut rope."""
     positive = ("length", "diameter", "bending_stiffness", "water_density", "rope_length")
     held = {}
-    own: list[tuple[Value, str]] = []
+    own: list[Requirement] = []
     for name in positive:
         value = getattr(p, name)
         fits = ops.where(value < NEVER, value, -1.0)
@@ -170,15 +199,14 @@ def requirements(p: Parameters, ops: Ops) -> tuple[tuple[Value, str], ...]:
     return (*own, (tension, "rope tension: expected a positive one, with some drag"))
 
 
-def problem(p: Parameters) -> str | None:
-    """Why no body has these parameters, None if one has."""
-    return unmet(requirements(p, FLOATS))
+def refusal(p: Parameters) -> str:
+    """Why no body has these parameters; empty if one has."""
+    return refusal_of(requirements(p, FLOATS))
 
 
 def body(p: Parameters) -> Body:
     """The dimensionless body. Raises ``ValueError`` with the reason where there is none."""
-    reason = problem(p)
-    if reason:
+    if reason := refusal(p):
         raise ValueError(reason)
     numbers = dimensionless(p, FLOATS)
     return Body(**(numbers._asdict() | {"theory": THEORIES[int(p.theory)]}))

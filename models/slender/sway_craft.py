@@ -21,107 +21,123 @@ Source: the oscillator of `ship`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from ..heave import ship
 from ..numeric.ops import Ops, Value
+from ..numeric.oscillator import acceleration, driven, exact_oscillation, margin_small, natural
+from ..numeric.ramp import ramp
+from ..protocol.model import Model
+from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output, parameter, state
 
 
 @dataclass(frozen=True)
 class Parameters:
-    """SI. ``ramp_time`` = 0: the sway starts at once; ``speed_change_time`` = 0: the speed stays at ``speed_start``."""
+    """SI."""
 
-    sway_amplitude: Value
-    sway_period: Value
-    sway_phase: Value
-    ramp_time: Value
-    mass: Value
-    damping: Value
-    stiffness: Value
-    speed_start: Value
-    speed_end: Value
-    speed_change_start: Value
-    speed_change_time: Value
-    sdof_tolerance: Value
+    sway_amplitude: Annotated[Value, parameter("m", 0.1, "Amplitude of the free sway", display="ft")]
+    sway_period: Annotated[Value, parameter("s", 12.0, "Period of the free sway", min=1e-9)]
+    sway_phase: Annotated[
+        Value, parameter("rad", 0.0, "Phase of the free sway: a sin(2 pi t / period + phase)", display="deg")
+    ]
+    ramp_time: Annotated[Value, parameter("s", 0.0, "Duration of a smooth start of the sway; 0: none", min=0.0)]
+    mass: Annotated[Value, parameter("kg", 1e5, "Mass with sway added mass", display="lb", min=1e-9)]
+    damping: Annotated[Value, parameter("N.s/m", 0.0, "Linear sway damping", display="lbf.s/ft", min=0.0)]
+    stiffness: Annotated[Value, parameter("N/m", 1e3, "Stiffness of course keeping", display="lbf/ft", min=1e-12)]
+    speed_start: Annotated[Value, parameter("m/s", 1.0, "Tow speed at the start", display="kn", min=0.0)]
+    speed_end: Annotated[Value, parameter("m/s", 1.0, "Tow speed after the change", display="kn", min=0.0)]
+    speed_change_start: Annotated[Value, parameter("s", 0.0, "Time at which the speed begins to change")]
+    speed_change_time: Annotated[Value, parameter("s", 0.0, "Duration of the change of speed; 0: none", min=0.0)]
+    sdof_tolerance: Annotated[
+        Value, parameter("1", 0.05, "Share of the free amplitude by which the rope may move the craft", min=1e-9)
+    ]
 
 
-State, Modes = ship.State, ship.Modes
+class State(NamedTuple):
+    """The response z and its rate."""
+
+    response: Annotated[Value, state("m", "Response to the rope's force")]
+    response_rate: Annotated[Value, state("m/s", "Its time derivative")]
+
+
+class Modes(NamedTuple):
+    """No branches."""
 
 
 class Inputs(NamedTuple):
-    """Force of the rope, N, positive to port."""
+    """From the rope."""
 
-    lateral_force: Value
+    lateral_force: Annotated[
+        Value, input_variable("N", "Lateral force of the rope, positive to port", display="lbf")
+    ]
 
 
 class Outputs(NamedTuple):
-    """``free_lateral`` is the prescribed part of ``lateral``, m; ``margin_sdof`` tells how far the rope moves the craft."""
+    """``free_lateral`` is the prescribed part of ``lateral``; ``margin_sdof`` tells how far the rope moves the craft."""
 
-    lateral: Value
-    free_lateral: Value
-    tow_speed: Value
-    margin_sdof: Value
-    lateral_rate: Value
-    free_lateral_rate: Value
-    tow_speed_rate: Value
+    lateral: Annotated[
+        Value, output("m", "Lateral position of the point that holds the rope, positive to port", display="ft")
+    ]
+    free_lateral: Annotated[Value, output("m", "Lateral position without the rope", display="ft")]
+    tow_speed: Annotated[Value, output("m/s", "Tow speed", display="kn")]
+    margin_sdof: Annotated[
+        Value, margin("1 - |z| / (sdof_tolerance a), z the response to the rope and a the free amplitude")
+    ]
+    lateral_rate: Rate
+    free_lateral_rate: Rate
+    tow_speed_rate: Rate
 
 
 class Calculated(NamedTuple):
-    """m, kg; sqrt(k/m), rad/s; c/(2 sqrt(k m)), -."""
+    """Constants of the oscillator."""
 
-    port_mass: Value
-    natural_frequency: Value
-    damping_ratio: Value
-
-
-def oscillator(p: Parameters) -> ship.Parameters:
-    """The craft as the oscillator of `ship`."""
-    return ship.Parameters(
-        p.sway_amplitude, p.sway_period, p.sway_phase, p.ramp_time, p.mass, p.damping, p.stiffness, p.sdof_tolerance
-    )
+    port_mass: Annotated[Value, calculated_parameter("kg", "Mass seen by the rope")]
+    natural_frequency: Annotated[Value, calculated_parameter("rad/s", "sqrt(k/m)")]
+    damping_ratio: Annotated[Value, calculated_parameter("1", "c / (2 sqrt(k m))")]
 
 
 def tow_speed(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
     """U, m/s, and its rate, m/s2."""
-    changes = p.speed_change_time > 0.0
-    scale = ops.where(changes, 1.0 / ops.where(changes, p.speed_change_time, 1.0), 0.0)
-    s = ops.minimum(1.0, ops.maximum(0.0, (t - p.speed_change_start) * scale))
-    change = p.speed_end - p.speed_start
-    return (
-        p.speed_start + change * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s),
-        change * 30.0 * s * s * (1.0 - s) * (1.0 - s) * scale,
-    )
+    r, r1, _ = ramp(t - p.speed_change_start, p.speed_change_time, ops)
+    change = ops.where(p.speed_change_time > 0.0, p.speed_end - p.speed_start, 0.0)
+    return p.speed_start + change * r, change * r1
 
 
-def initial(p: Parameters, ops: Ops) -> tuple[ship.State, ship.Modes]:
+def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """No response yet."""
-    return ship.initial(oscillator(p), ops)
+    return State(0.0, 0.0), Modes()
 
 
-def derivatives(t: Value, x: ship.State, m: ship.Modes, u: Inputs, p: Parameters, ops: Ops) -> ship.State:
+def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
     """x' of the response."""
-    return ship.derivatives(t, x, m, ship.Inputs(-u[0]), oscillator(p), ops)
+    z, rate = x
+    return State(rate, acceleration(z, rate, u.lateral_force, p.mass, p.damping, p.stiffness))
 
 
-def advance(
-    t: Value, h: Value, x: ship.State, m: ship.Modes, coefficients: Sequence[Sequence[Value]], p: Parameters, ops: Ops
-) -> ship.State:
+def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of ``h``, s, for a force that is a cubic of time."""
-    return ship.advance(t, h, x, m, [[-a for a in coefficients[0]]], oscillator(p), ops)
+    z, rate = x
+    z, rate = exact_oscillation(h, z, rate, cubics.lateral_force, p.mass, p.damping, p.stiffness, ops)
+    return State(z, rate)
 
 
-def outputs(t: Value, x: ship.State, m: ship.Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
-    """All observables."""
-    lateral, _, free, margin, lateral_rate, _, free_rate = ship.outputs(
-        t, x, m, ship.Inputs(-u[0]), ship.Inputs(-du[0]), oscillator(p), ops
-    )
+def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
+    """All observables; ``margin_sdof`` as of `ship`."""
+    free, free_rate, _ = driven(t, p.sway_amplitude, p.sway_period, p.sway_phase, p.ramp_time, ops)
+    z, rate = x
+    small = margin_small(z, p.sway_amplitude, p.sdof_tolerance, ops)
     speed, speed_rate = tow_speed(t, p, ops)
-    return Outputs(lateral, free, speed, margin, lateral_rate, free_rate, speed_rate)
+    return Outputs(free + z, free, speed, small, free_rate + rate, free_rate, speed_rate)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Constants of the oscillator."""
-    mass, frequency, ratio = ship.calculated(oscillator(p), ops)
-    return Calculated(mass, frequency, ratio)
+    return Calculated(p.mass, *natural(p.mass, p.damping, p.stiffness, ops))
+
+
+SWAY_CRAFT = Model(
+    "sway_craft",
+    "Towing craft in sway: prescribed lateral motion, plus the response of its sway oscillator to the rope",
+    Parameters, State, Modes, Inputs, Outputs, Calculated,
+    initial=initial, derivatives=derivatives, advance=advance, outputs=outputs, calculated=calculated,
+)  # fmt: skip

@@ -55,7 +55,7 @@ class Case:
 def case(name: str) -> Case:
     """The runs of a unit."""
     unit = load(name)
-    start = unit.start | STARTS.get(name, {})
+    start = {**unit.start, **STARTS.get(name, {})}
     if not start.keys() & {v.name for v in unit.parameters}:
         first = unit.parameters[0]
         start[first.name] = 1.1 * (first.start or 1.0)  # a value that is not the default

@@ -11,7 +11,8 @@ from typing import Any
 
 from towage.fmus.declare.unit import Unit
 from towage.fmus.native.compiler import host, library
-from towage.fmus.native.trace import Traced, model_source
+from towage.fmus.native.source import model_source
+from towage.fmus.native.traced import Traced
 from towage.models.numeric.ops import FLOATS
 
 Vector = Sequence[float]
@@ -59,11 +60,9 @@ def point(unit: Unit, modes: int, states: int, chance: random.Random) -> SimpleN
     while True:
         start = {v.name: unit.start.get(v.name, v.start or 0.0) for v in unit.parameters}
         values = [parameter(start[v.name], v.min, v.max) for v in unit.parameters]
-        p = unit.model.Parameters(*()) if not values else unit.model.Parameters(
-            **{v.name: value for v, value in zip(unit.parameters, values)}
-        )  # fmt: skip
-        needs = unit.model.requirements(p, FLOATS) if hasattr(unit.model, "requirements") else ()
-        if all(value > 0.0 for value, _ in needs):
+        p = unit.model.Parameters(**{v.name: value for v, value in zip(unit.parameters, values)})
+        required = unit.model.requirements(p, FLOATS) if unit.model.requirements else ()
+        if all(value > 0.0 for value, _ in required):
             break
 
     def column(size: int) -> list[float]:

@@ -9,34 +9,41 @@ s is the schedule, and w makes it matter; own state: integral of f. The chain ma
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
 
-from towage.fmus.declare.unit import Unit, calculated, entry, output, parameter
-from towage.models.numeric.matrix_ops import MatrixOps
+from towage.fmus.declare.unit import Unit
+from towage.models.numeric.matrix_ops import MatrixOps, numbers
 from towage.models.numeric.ops import Ops, Value
+from towage.models.protocol.linear_model import LinearModel
 from towage.models.protocol.state_space import Comparison, Resolution, Setup, Study
+from towage.models.protocol.variables import (
+    Rate,
+    calculated_parameter,
+    input_variable,
+    local,
+    output,
+    parameter,
+    tunable,
+)
 
 
 @dataclass(frozen=True)
 class Parameters:
     """SI; w: stiffness of the coupling a unit of the schedule."""
 
-    stiffness: Value
-    damping: Value
-    scheduled: Value
-    start: Value
-    masses: Value
-    band: Value
+    stiffness: Annotated[Value, tunable("N/m", 4.0, "Stiffness")]
+    damping: Annotated[Value, parameter("N.s/m", 0.3, "Damping")]
+    scheduled: Annotated[Value, parameter("N/m", 1.5, "Stiffness a unit of the schedule")]
+    start: Annotated[Value, parameter("m", 0.1, "Position of the first mass")]
+    masses: Annotated[Value, parameter("1", 2.0, "Number of masses")]
+    band: Annotated[Value, parameter("rad/s", 3.0, "Band")]
 
 
 class Size(NamedTuple):
     """Number of masses."""
 
     masses: float = 2.0
-
-
-STRUCTURE = Size._fields
 
 
 class Own(NamedTuple):
@@ -46,28 +53,28 @@ class Own(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Force on the first mass, N; schedule."""
+    """Force on the first mass; schedule."""
 
-    force: Value
-    pace: Value
+    force: Annotated[Value, input_variable("N", "Force")]
+    pace: Annotated[Value, input_variable("1", "Schedule", min=0.0)]
 
 
 class Outputs(NamedTuple):
     """Positions of the first and last mass, growth, product of impulse and position, and rates."""
 
-    first: Value
-    last: Value
-    growth: Value
-    product: Value
-    first_rate: Value
-    last_rate: Value
+    first: Annotated[Value, output("m", "First")]
+    last: Annotated[Value, output("m", "Last")]
+    growth: Annotated[Value, output("1/s", "Growth")]
+    product: Annotated[Value, output("N.s.m", "Nonlinear")]
+    first_rate: Rate
+    last_rate: Rate
 
 
 class Calculated(NamedTuple):
     """What the study found."""
 
-    error: Value
-    resolved: Value
+    error: Annotated[Value, calculated_parameter("1", "Found")]
+    resolved: Annotated[Value, calculated_parameter("1", "Found")]
 
 
 class Constants(NamedTuple):
@@ -131,66 +138,54 @@ def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
     return Calculated(constants.error, constants.resolved)
 
 
-def schedule(u: Sequence[Value], p: Parameters, constants: Constants, ops: Ops) -> Value:
+def schedule(u: Inputs, p: Parameters, constants: Constants, ops: Ops) -> Value:
     """The pace squared, so that its derivative is not constant."""
-    return u[1] * u[1]
+    return u.pace * u.pace
 
 
-def drive(own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Any, ops: Ops) -> Any:
+def drive(own: Own, cubics: Inputs, p: Parameters, constants: Any, ops: Ops) -> Any:
     """The force, and its integral, of degree 4."""
-    a, b, c, d = cubics[0]
-    return (a, b, c, d), (own[0], a, b / 2.0, c / 3.0, d / 4.0)
+    a, b, c, d = cubics.force
+    return (a, b, c, d), (own.impulse, a, b / 2.0, c / 3.0, d / 4.0)
 
 
-def own_after(
-    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Any, ops: Ops
-) -> tuple[Value, ...]:
+def own_after(h: Value, own: Own, cubics: Inputs, p: Parameters, constants: Any, ops: Ops) -> tuple[Value, ...]:
     """The impulse at the end of the step."""
-    a, b, c, d = cubics[0]
-    return (own[0] + h * (a + h * (b / 2.0 + h * (c / 3.0 + h * d / 4.0))),)
+    a, b, c, d = cubics.force
+    return (own.impulse + h * (a + h * (b / 2.0 + h * (c / 3.0 + h * d / 4.0))),)
 
 
-def own_rates(own: Sequence[Value], u: Sequence[Value], du: Any, p: Parameters, constants: Any, ops: Ops) -> Any:
+def own_rates(own: Own, u: Inputs, du: Inputs, p: Parameters, constants: Any, ops: Ops) -> Any:
     """The force."""
-    return (u[0],)
+    return (u.force,)
 
 
-def core(own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Any, ops: Ops) -> Any:
+def core(own: Own, u: Inputs, du: Inputs, p: Parameters, constants: Any, ops: Ops) -> Any:
     """Force and impulse with their derivatives."""
-    return (u[0], own[0]), (du[0], u[0]), (0.0, du[0])
+    return (u.force, own.impulse), (du.force, u.force), (0.0, du.force)
 
 
 def observe(
-    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
-    du: Sequence[Value], growth: Value, p: Parameters, constants: Any, ops: Ops,
+    t: Value, own: Own, y: Sequence[Value], y_rate: Sequence[Value], u: Inputs, du: Inputs, growth: Value,
+    p: Parameters, constants: Any, ops: Ops,
 ) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
     """All observables, and y as extras."""
-    return Outputs(y[0], y[1], growth, own[0] * y[3] * ops.sin(u[0]), y_rate[0], y_rate[1]), tuple(y)
+    first, last, _, fourth = y
+    first_rate, last_rate, *_ = y_rate
+    return Outputs(
+        first, last, growth, own.impulse * fourth * ops.sin(u.force), first_rate, last_rate
+    ), tuple(y)  # fmt: skip
 
 
-EXTRA = ("row", "1", "Row of y")
+def prepare(p: Parameters) -> Setup:
+    """The matrices, of numbers; nothing is found out about them."""
+    return setup(p, Size(p.masses), numbers())
 
 
-def unit(model: Any) -> Unit:
-    """The unit of this module, ``model``."""
-    return Unit(
-        name="linear_example",
-        description="Chain of masses",
-        model=model,
-        parameters=(
-            replace(parameter("stiffness", "N/m", 4.0, "Stiffness"), variability="tunable"),
-            parameter("damping", "N.s/m", 0.3, "Damping"),
-            parameter("scheduled", "N/m", 1.5, "Stiffness a unit of the schedule"),
-            parameter("start", "m", 0.1, "Position of the first mass"),
-            parameter("masses", "1", 2.0, "Number of masses"),
-            parameter("band", "rad/s", 3.0, "Band"),
-        ),
-        calculated=tuple(calculated(name, "1", "Found") for name in Calculated._fields),
-        inputs=(entry("force", "N", 0.0, "Force"), entry("pace", "1", 0.0, "Schedule", min=0.0)),
-        outputs=(
-            output("first", "m", "First", rate=True, depends=("force", "pace")),
-            output("last", "m", "Last", rate=True, depends=("force", "pace")),
-            output("growth", "1/s", "Growth", depends=("pace",)),
-            output("product", "N.s.m", "Nonlinear", depends=("force",)),
-        ),
-    )  # fmt: skip
+LINEAR = LinearModel(
+    "linear_example", "Chain of masses", Parameters, Inputs, Outputs, Calculated, Size, Own,
+    setup=setup, prepare=prepare, drive=drive, core=core, observe=observe, describe=describe, own_after=own_after,
+    own_rates=own_rates, start=start, schedule=schedule, study=study, requirements=requirements, order=4,
+    extra=("row", local("1", "Row of y")),
+)  # fmt: skip
+UNIT = Unit.of(LINEAR.as_model())

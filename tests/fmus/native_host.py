@@ -13,7 +13,7 @@ from towage.fmus.declare.unit import load
 from towage.fmus.native import build as native_fmu
 from towage.fmus.native.build import RUNTIME
 from towage.fmus.native.compiler import compiler, host
-from towage.fmus.native.trace import Traced
+from towage.fmus.native.traced import Traced
 
 from .cases import CASES
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from towage.fmus.native.compiler import compiler, host
-from towage.fmus.native.source import unit_source
-from towage.fmus.native.trace import Traced, model_source
+from towage.fmus.native.source import model_source, unit_source
+from towage.fmus.native.traced import Traced
 
 NATIVE = Path(__file__).parents[2] / "fmus" / "native" / "runtime"
 FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-fPIC")

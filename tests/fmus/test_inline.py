@@ -5,13 +5,13 @@ from __future__ import annotations
 import importlib.util
 import math
 import sys
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage.fmus.python.inline import floats
+from towage.fmus.python.inline import floats, inlined_module
 from towage.models.heave import cradle, cradle_on_line, spring_line
 from towage.models.numeric.ops import FLOATS
 
@@ -39,6 +39,11 @@ def derivatives(a, b, ops):
 
 def other(a, b, ops):
     return State(a, b)
+
+def components(x: State, y: State, z):
+    def inner(y):
+        return y.a
+    return x.a + x.b + (lambda x: x.b)(State(0.0, y.b)) + inner(z)
 '''
 
 
@@ -56,7 +61,7 @@ def module(tmp_path: Any) -> ModuleType:
 
 def test_choices_are_those_of_ops(tmp_path_factory: Any) -> None:
     plain = module(tmp_path_factory.mktemp("source"))
-    inlined = floats(plain)
+    inlined = inlined_module(plain)
 
     @given(ANY, ANY)
     def same(a: float, b: float) -> None:
@@ -73,12 +78,20 @@ def test_choices_are_those_of_ops(tmp_path_factory: Any) -> None:
     assert inlined.other(1.0, 2.0, None).b == 2.0  # names are kept where they may be used
 
 
+def test_components_become_positions_where_an_annotation_names_them(tmp_path_factory: Any) -> None:
+    inlined = inlined_module(module(tmp_path_factory.mktemp("source")))
+    # x and y by position, the field of the same name of anything else as it is
+    assert inlined.components((2.0, 3.0), (5.0, 7.0), SimpleNamespace(a=11.0)) == 2.0 + 3.0 + 7.0 + 11.0
+
+
 def test_models_are_left_alone() -> None:
-    inlined = floats(cradle_on_line)
+    inlined = inlined_module(cradle_on_line)
     assert inlined.cradle is not cradle and cradle_on_line.cradle is cradle
     assert "ops" not in inlined.cradle.acceleration.__code__.co_names
     assert inlined.outputs.__code__.co_firstlineno == cradle_on_line.outputs.__code__.co_firstlineno
     assert inlined.outputs.__code__.co_filename == cradle_on_line.outputs.__code__.co_filename
-    assert floats(cradle_on_line) is inlined and inlined.Parameters is cradle_on_line.Parameters
+    spelled = floats(cradle_on_line.CRADLE_ON_LINE)
+    assert floats(cradle_on_line.CRADLE_ON_LINE) is spelled and spelled.Parameters is cradle_on_line.Parameters
+    assert spelled.outputs is inlined.outputs and spelled.by_position
     x, m = spring_line.initial(None, FLOATS)  # type: ignore[arg-type]
     assert x == () and m.taut == 1.0 and math.isfinite(m.taut)

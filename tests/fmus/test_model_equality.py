@@ -70,13 +70,15 @@ def by_model(job: Job) -> list[list[str]]:
     x, m = model.initial(p, FLOATS)
     names, seen, first_step = [v.name for v in unit.inputs], [], 0.0
 
+    inputs_of, state_of = model.Inputs._make, model.State._make
+
     def outputs(t: float, u: list[float], du: list[float]) -> None:
-        seen.append([float(v).hex() for v in model.outputs(t, x, m, u, du, p, FLOATS)])
+        seen.append([float(v).hex() for v in model.outputs(t, x, m, inputs_of(u), inputs_of(du), p, FLOATS)])
 
     def change(t: float, u: list[float]) -> None:
         nonlocal x, m
-        if hasattr(model, "transition"):
-            x, m = model.transition(t, x, m, u, p, FLOATS)
+        if model.transition:
+            x, m = model.transition(t, x, m, inputs_of(u), p, FLOATS)
 
     # the start is a communication point with all inputs at their start values
     change(0.0, [job["start"].get(v.name, v.start or 0.0) for v in unit.inputs])
@@ -89,11 +91,11 @@ def by_model(job: Job) -> list[list[str]]:
         change(time, at(0.0))
         if read:
             outputs(time, at(0.0), [a[1] for a in c])
-        if hasattr(model, "advance"):
-            x = model.advance(time, size, x, m, c, p, FLOATS)
+        if model.advance:
+            x = model.advance(time, size, x, m, inputs_of(c), p, FLOATS)
         elif len(x):
             stops = [size]
-            if hasattr(model, "next_event_time"):
+            if model.next_event_time:
                 due = model.next_event_time(time, m, p, FLOATS) - time
                 stops = [due, size] if 0.0 < due < size else [size]
             begin = 0.0
@@ -102,14 +104,19 @@ def by_model(job: Job) -> list[list[str]]:
                 def event(s: float, y: Any, time: float = time, at: Any = at) -> Any:
                     nonlocal m
                     if not values.get("freeze_branches"):
-                        y, m = model.transition(time + s, y, m, at(s), p, FLOATS)
+                        y, m = model.transition(time + s, state_of(y), m, inputs_of(at(s)), p, FLOATS)
                     return tuple(y)
 
                 x, first_step = integrate(
-                    lambda s, y, time=time, at=at: model.derivatives(time + s, y, m, at(s), p, FLOATS),
+                    lambda s, y, time=time, at=at: model.derivatives(
+                        time + s, state_of(y), m, inputs_of(at(s)), p, FLOATS
+                    ),
                     begin, tuple(x), end, rtol=1e-8, atol=(1e-8,) * len(x), on_event=event, first_step=first_step,
-                    indicators=lambda s, y, time=time, at=at: model.indicators(time + s, y, m, at(s), p, FLOATS),
+                    indicators=lambda s, y, time=time, at=at: model.indicators(
+                        time + s, state_of(y), m, inputs_of(at(s)), p, FLOATS
+                    ),
                 )  # fmt: skip
+                x = state_of(x)
                 if end < size:
                     change(values["docking_time"], at(end))
                 begin = end

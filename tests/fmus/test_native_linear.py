@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from towage.fmus.native.trace_linear import trace
+from towage.fmus.native.trace import trace
 from towage.models.numeric.matrix_ops import numbers
 
 from . import linear_example as example
@@ -19,7 +19,7 @@ from .native_instance import DONE, MODEL_EXCHANGE, NO_STEP, REFUSED, Library, Na
 
 @pytest.fixture(scope="module")
 def masses(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    traced = trace(example.unit(example), {})
+    traced = trace(example.UNIT, {})
     return unit_library(traced, tmp_path_factory.mktemp("masses")), traced
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from towage.fmus.declare.unit import load
-from towage.fmus.native.trace_linear import trace
+from towage.fmus.native.trace import trace
 from towage.fmus.python.instance import Instance
 from towage.models.cable.lumped.fidelity import tow_elastic, tow_rigid
 from towage.models.cable.lumped.reduction import reduce
@@ -90,7 +90,7 @@ def test_the_state_shown_is_that_of_the_full_model(tow: tuple[Library, bool]) ->
     interface = library[1].interface
     states = [f"state.{v.name}" for v in interface.states]
     # the margin of the error knows of the reduction
-    outputs = [v.name for v in interface.unit.outputs if v.name != "margin_resolution"]
+    outputs = [v.name for v in interface.unit.observed if v.name != "margin_resolution"]
     assert small.get(*states) == [0.0] * len(states)
 
     def motion(t: float) -> dict[str, float]:

@@ -11,7 +11,8 @@ import pytest
 
 from towage.fmus.declare.unit import load
 from towage.fmus.python.build import staged_modules
-from towage.fmus.python.instance import CallError, Instance
+from towage.fmus.python.instance import Instance
+from towage.fmus.python.values import CallError
 from towage.models.cable.parameters import TowParameters, tow_of
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
@@ -154,7 +155,7 @@ def test_refused_parameters(name: str, values: dict[str, float], message: str) -
 
 def test_margins_at_rest_and_beyond() -> None:
     instance = started("tow_system")
-    margins = [v.name for v in instance.unit.outputs if v.name.startswith("margin_")]
+    margins = [v.name for v in instance.unit.observed if v.name.startswith("margin_")]
     rest = dict(zip(margins, get(instance, *margins)))
     assert {n for n, v in rest.items() if v == pytest.approx(1.0)} >= {
         "margin_small_perturbation", "margin_slack", "margin_flow", "margin_quadrant", "margin_inextensible",

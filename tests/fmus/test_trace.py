@@ -12,12 +12,14 @@ import pytest
 
 from towage.fmus import UNITS
 from towage.fmus.declare.unit import load
-from towage.fmus.native.trace import FORWARD, NotNative, Traced, model_source, trace
+from towage.fmus.native.source import model_source
+from towage.fmus.native.trace import FORWARD, trace
+from towage.fmus.native.traced import NotNative, Traced
 from towage.models.numeric.ops import FLOATS
 
 from .compiled import Compiled, point
 
-TRACED = tuple(n for n in UNITS if not load(n).not_native and not hasattr(load(n).model, "setup"))
+TRACED = tuple(n for n in UNITS if not load(n).not_native and not load(n).model.linear)
 """Linear units are traced from their matrices, and tested with them."""
 POINTS = 200
 ROUNDING = 1e-13
@@ -49,8 +51,9 @@ def vectors(name: str, at: SimpleNamespace) -> list[list[float]]:
 
 def floats(name: str, model: Any, at: SimpleNamespace) -> list[list[float]]:
     """Results of the model itself."""
-    t, x, m, u, du, p = at.t[0], tuple(at.x), tuple(at.m), at.u, at.du, at.parameters
-    cubics = [at.k[4 * i : 4 * i + 4] for i in range(len(u))]
+    inputs = model.Inputs._make
+    t, x, m, u, du, p = at.t[0], model.State(*at.x), model.Modes(*at.m), inputs(at.u), inputs(at.du), at.parameters
+    cubics = inputs(at.k[4 * i : 4 * i + 4] for i in range(len(u)))
     call: dict[str, Callable[[], Any]] = {
         "required": lambda: [[value for value, _ in model.requirements(p, FLOATS)]],
         "calculate": lambda: [model.calculated(p, FLOATS)],

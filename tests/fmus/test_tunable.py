@@ -7,7 +7,8 @@ import random
 import pytest
 
 from towage.fmus.declare.unit import Unit, load
-from towage.fmus.python.instance import CallError, Instance
+from towage.fmus.python.instance import Instance
+from towage.fmus.python.values import CallError
 from towage.models.numeric.ops import FLOATS
 
 from .test_instance import Player

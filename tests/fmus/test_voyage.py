@@ -14,7 +14,8 @@ import pytest
 
 from towage.fmus.declare.unit import load
 from towage.fmus.python.build import build, staged_modules
-from towage.fmus.python.instance import CallError, Instance
+from towage.fmus.python.instance import Instance
+from towage.fmus.python.values import CallError
 from towage.models.route import voyage
 
 NAMES = ("voyage", "ship_in_sea")

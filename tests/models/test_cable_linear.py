@@ -14,7 +14,7 @@ import pytest
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import choose, exact_gains
 from towage.models.cable.lumped.forces import node_load, segment_forces
-from towage.models.cable.lumped.linear import LinearModel, cable_elastic, rigid_model, tow_elastic, tow_rigid
+from towage.models.cable.lumped.linear import StateSpace, cable_elastic, rigid_model, tow_elastic, tow_rigid
 from towage.models.cable.lumped.lumped import Chain, equilibrium, matrices
 from towage.models.cable.lumped.reduction import reduce, relative_error, stable, transfer
 from towage.models.cable.steady.response import respond
@@ -35,11 +35,11 @@ def tow(name: str, stiffness: float = math.inf) -> Tow:
 
 
 @lru_cache
-def rigid(name: str, count: int) -> LinearModel:
+def rigid(name: str, count: int) -> StateSpace:
     return tow_rigid(tow(name), count)
 
 
-def difference(model: LinearModel, name: str, exact: Tow) -> tuple[float, float]:
+def difference(model: StateSpace, name: str, exact: Tow) -> tuple[float, float]:
     """Relative errors of force on the towpoint and displacement of the body at the case's frequency and excitation."""
     omega, excitation = CASES[name]["omega"], excitation_of(CASES[name])
     r = respond(exact, omega, excitation)

@@ -117,6 +117,7 @@ def test_trace_of_the_observation_equals_the_numbers(model: ModuleType, size: An
     y, rate, cubics = rng.standard_normal(r), rng.standard_normal(r), rng.standard_normal((4, 4))
 
     def results(ops: Any, h: Any, own: Any, u: Any, du: Any, y: Any, rate: Any, cubics: Any) -> list[Any]:
+        own, u, du, cubics = model.Own(*own), model.Inputs(*u), model.Inputs(*du), model.Inputs(*cubics)
         observed, tensions = model.observe(0.0, own, y, rate, u, du, 0.0, p, constants, ops)
         parts = [
             observed,

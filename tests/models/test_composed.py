@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import fields, make_dataclass
-from types import ModuleType
+from dataclasses import make_dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from towage.models.cable import body_force, towed_body
-from towage.models.compose.model import Composed, compose, eliminated
+from towage.models.cable.body_force import BODY_FORCE
+from towage.models.cable.towed_body import TOWED_BODY
+from towage.models.compose.model import compose, eliminated
 from towage.models.compose.plan import CompositionError, Connection
-from towage.models.heave import cradle, cradle_on_line, ship, spring_line
+from towage.models.heave.cradle import CRADLE
+from towage.models.heave.cradle_on_line import CRADLE_ON_LINE
+from towage.models.heave.ship import SHIP
+from towage.models.heave.spring_line import SPRING_LINE
 from towage.models.numeric.dependence import TRACED, Traced, bent, joined
 from towage.models.numeric.dual_ops import output_rates
 from towage.models.numeric.ops import FLOATS, NEVER, arrays, symbols
-from towage.models.route import voyage  # fmt: skip
-from towage.models.slender import sway_craft
+from towage.models.protocol.model import AnyModel, Model
+from towage.models.protocol.variables import quantities
+from towage.models.route.voyage import VOYAGE
+from towage.models.slender.sway_craft import SWAY_CRAFT
 
-MODELS = (ship, spring_line, cradle, cradle_on_line, towed_body, body_force, sway_craft, voyage)
+MODELS = (SHIP, SPRING_LINE, CRADLE, CRADLE_ON_LINE, TOWED_BODY, BODY_FORCE, SWAY_CRAFT, VOYAGE)
 WIRING = (
     Connection(("ship", "heave"), ("line", "heave_top")),
     Connection(("cradle", "heave"), ("line", "heave_bottom")),
@@ -35,38 +40,38 @@ Names = tuple[str, ...]
 
 def model(name: str, entries: Names, observed: Names, states: Names = (), modes: Names = (), **functions: Any) -> Any:
     """A model without parameters, made of functions."""
-    found = ModuleType(name)
-    found.Parameters = make_dataclass("Parameters", [], frozen=True)  # type: ignore[attr-defined]
-    for kind, names in (("Inputs", entries), ("Outputs", observed), ("State", states), ("Modes", modes)):
-        setattr(found, kind, NamedTuple(kind, [(n, Any) for n in names]))
-    for key, function in functions.items():
-        setattr(found, key, function)
-    return found
+    kinds = [NamedTuple(kind, [(n, Any) for n in names]) for kind, names in (
+        ("State", states), ("Modes", modes), ("Inputs", entries), ("Outputs", observed)
+    )]  # fmt: skip
+    return Model(
+        name, "made for a test", make_dataclass("Parameters", [], frozen=True), *kinds,
+        initial=lambda p, ops: (kinds[0](*(0.0 for _ in states)), kinds[1](*(0.0 for _ in modes))), **functions,
+    )  # fmt: skip
 
 
-def suspended() -> Composed:
-    return compose({"ship": ship, "line": spring_line, "cradle": cradle}, WIRING)
+def suspended() -> AnyModel:
+    return compose({"ship": SHIP, "line": SPRING_LINE, "cradle": CRADLE}, WIRING)
 
 
 def numbers(kind: Any, seed: int = 1) -> Any:
     """Parameters of a model, all different, positive."""
     draw = random.Random(seed)
-    return kind(**{f.name: draw.uniform(0.5, 2.0) for f in fields(kind) if f.name != "freeze_branches"} | held(kind))
+    return kind(**{n: draw.uniform(0.5, 2.0) for n in quantities(kind) if n != "freeze_branches"} | held(kind))
 
 
 def held(kind: Any) -> dict[str, float]:
-    return {f.name: 1.0 for f in fields(kind) if f.name == "freeze_branches"}
+    return {n: 1.0 for n in quantities(kind) if n == "freeze_branches"}
 
 
-@pytest.mark.parametrize("it", MODELS, ids=lambda m: m.__name__.rpartition(".")[2])
+@pytest.mark.parametrize("it", MODELS, ids=lambda m: m.name)
 def test_directional_derivatives_equal_the_rates_that_models_state(it: Any) -> None:
     p, draw = numbers(it.Parameters), random.Random(2)
     compared = 0
     for _ in range(20):
         x, m, u, du = (
-            [draw.uniform(0.1, 1.0) for _ in kind._fields] for kind in (it.State, it.Modes, it.Inputs, it.Inputs)
+            kind(*(draw.uniform(0.1, 1.0) for _ in kind._fields)) for kind in (it.State, it.Modes, it.Inputs, it.Inputs)
         )
-        m = [1.0 for _ in m]
+        m = it.Modes(*(1.0 for _ in m))
         t = draw.uniform(0.0, 0.4)  # within the smooth start, whose rate is the intricate one
         stated = dict(zip(it.Outputs._fields, it.outputs(t, x, m, u, du, p, FLOATS)))
         derived = dict(zip(it.Outputs._fields, output_rates(it, t, x, m, u, du, [0.0] * len(u), p, FLOATS)))
@@ -103,10 +108,10 @@ def test_names_open_inputs_and_slices() -> None:
     assert it.Outputs._fields[-1] == "next_event_time" and "line.event_taut_rate" in it.Outputs._fields
 
 
-def values(it: Composed) -> tuple[float, list[float], list[float], list[float], list[float], list[float]]:
+def values() -> tuple[float, list[float], list[float], list[float], list[float], list[float]]:
     """A point at which nothing is zero, and parameters in the order of the parts."""
     draw = random.Random(5)
-    count = sum(f.name != "freeze_branches" for part in it.parts.values() for f in fields(part.Parameters))
+    count = sum(name != "freeze_branches" for part in (SHIP, SPRING_LINE, CRADLE) for name in quantities(part.Parameters))
     return 3.1, [0.1, 0.2, -0.3, 0.4], [1.0, 0.0], [0.5], [0.7], [draw.uniform(0.5, 2.0) for _ in range(count)]
 
 
@@ -114,7 +119,7 @@ def test_floats_arrays_and_symbols_agree() -> None:
     import casadi as ca
 
     it = suspended()
-    t, x, m, u, du, p = values(it)
+    t, x, m, u, du, p = values()
     own = it.Parameters(*p)
     many = it.Parameters(*(np.full(3, v) for v in p))
     columns = [[np.full(3, v) for v in part] for part in (x, m, u, du)]
@@ -138,12 +143,12 @@ def test_mass_and_apparent_mass_make_a_heavier_mass() -> None:
     mass, apparent, stiffness = 3.0, 5.0, 0.7
     hull = model(
         "hull", ("reaction",), ("velocity", "velocity_rate"), ("velocity",),
-        derivatives=lambda t, x, m, u, p, ops: ((ops.sin(t) - u[0]) / mass,),
-        outputs=lambda t, x, m, u, du, p, ops: (x[0], (ops.sin(t) - u[0]) / mass),
+        derivatives=lambda t, x, m, u, p, ops: ((ops.sin(t) - u.reaction) / mass,),
+        outputs=lambda t, x, m, u, du, p, ops: (x.velocity, (ops.sin(t) - u.reaction) / mass),
     )  # fmt: skip
     tow = model(
         "tow", ("velocity",), ("reaction", "reaction_rate"),
-        outputs=lambda t, x, m, u, du, p, ops: (apparent * du[0] + stiffness * u[0], 0.0),
+        outputs=lambda t, x, m, u, du, p, ops: (apparent * du.velocity + stiffness * u.velocity, 0.0),
     )  # fmt: skip
     it = compose(
         {"hull": hull, "tow": tow},
@@ -161,7 +166,7 @@ def spring(power: int) -> Any:
     """A force that follows its input without delay."""
 
     def outputs(t: Any, x: Any, m: Any, u: Any, du: Any, p: Any, ops: Any) -> tuple[Any, ...]:
-        return (0.5 * (u[0] if power == 1 else u[0] * u[0]) + 1.0,)
+        return (0.5 * (u.end if power == 1 else u.end * u.end) + 1.0,)
 
     return model("spring", ("end",), ("force",), outputs=outputs)
 
@@ -176,12 +181,12 @@ def test_loop_that_is_not_linear_is_refused_by_name() -> None:
 
 def test_missing_rate_is_derived_exactly() -> None:
     """`stretch` has no stretch_rate: its rate follows from the line's equations."""
-    sensor = model("sensor", ("input",), ("speed",), outputs=lambda t, x, m, u, du, p, ops: (du[0],))
+    sensor = model("sensor", ("input",), ("speed",), outputs=lambda t, x, m, u, du, p, ops: (du.input,))
     it = compose(
-        {"ship": ship, "line": spring_line, "cradle": cradle, "sensor": sensor},
+        {"ship": SHIP, "line": SPRING_LINE, "cradle": CRADLE, "sensor": sensor},
         (*WIRING, Connection(("line", "stretch"), ("sensor", "input"), 3.0)),
     )
-    t, x, m, u, du, p = values(it)
+    t, x, m, u, du, p = values()
     found = dict(zip(it.Outputs._fields, it.outputs(t, x, m, u, du, it.Parameters(*p), FLOATS)))
     assert found["sensor.speed"] == pytest.approx(3.0 * found["line.event_taut_rate"], rel=1e-14)
 
@@ -190,8 +195,8 @@ def test_change_runs_through_a_chain_in_one_transition() -> None:
     """Each part switches on when its input exceeds 0.5; the order of the parts is that of the chain or the reverse."""
     relay = model(
         "relay", ("signal",), ("on",), modes=("on",),
-        outputs=lambda t, x, m, u, du, p, ops: (m[0],),
-        transition=lambda t, x, m, u, p, ops: (x, (ops.where(u[0] > 0.5, 1.0, 0.0),)),
+        outputs=lambda t, x, m, u, du, p, ops: (m.on,),
+        transition=lambda t, x, m, u, p, ops: (x, (ops.where(u.signal > 0.5, 1.0, 0.0),)),
     )  # fmt: skip
     for order in (("a", "b", "c"), ("c", "b", "a")):
         chain = tuple(Connection((one, "on"), (two, "signal")) for one, two in (("a", "b"), ("b", "c")))
@@ -200,8 +205,8 @@ def test_change_runs_through_a_chain_in_one_transition() -> None:
 
 
 def test_next_event_is_the_earliest_and_requirements_carry_the_part() -> None:
-    it = compose({"a": cradle, "b": cradle}, ())
-    names = [f.name for f in fields(cradle.Parameters)]
+    it = compose({"a": CRADLE, "b": CRADLE}, ())
+    names = list(quantities(CRADLE.Parameters))
     given = {f"{part}.{n}": 1.0 for part in "ab" for n in names}
     p = it.Parameters(**given | {"a.docking_time": 5.0, "b.docking_time": 2.0, "b.submersible_mass": 0.0})
     assert it.next_event_time(0.0, (0.0, 0.0), p, FLOATS) == 2.0

@@ -64,8 +64,8 @@ def start(sea: ship_in_sea.Inputs, p: ship_in_sea.Parameters = PARAMETERS) -> sh
     return ship_in_sea.transition(0.0, x, m, sea, p, FLOATS)[0]
 
 
-def cubics(u: ship_in_sea.Inputs) -> list[tuple[float, float, float, float]]:
-    return [(value, 0.0, 0.0, 0.0) for value in u]
+def cubics(u: ship_in_sea.Inputs) -> ship_in_sea.Inputs:
+    return ship_in_sea.Inputs(*((value, 0.0, 0.0, 0.0) for value in u))
 
 
 HEAD = ship_in_sea.Inputs(0.0, 6.096, 0.0, math.pi, 7.5)
@@ -145,7 +145,7 @@ def test_response_to_the_line_is_that_of_the_ship() -> None:
     z = ship.State(0.0, 0.0)
     for k in range(50):
         x = ship_in_sea.advance(k * 0.2, 0.2, x, m, c, PARAMETERS, FLOATS)
-        z = ship.advance(k * 0.2, 0.2, z, ship.Modes(), c, p, FLOATS)
+        z = ship.advance(k * 0.2, 0.2, z, ship.Modes(), ship.Inputs(c.reaction), p, FLOATS)
     assert (x.response, x.response_rate) == z
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from towage.models.protocol.linear_model import LinearUnit, remembered
-from towage.models.protocol.state_space import Setup
+from towage.models.protocol.linear_model import LinearModel, LinearUnit
+from towage.models.protocol.model import remembered
+from towage.models.protocol.state_space import Setup, Study
 
 
 @dataclass(frozen=True)
@@ -20,20 +21,39 @@ class Parameters:
 
 class Constants(NamedTuple):
     gain: float
+    fast: float = 10.0
 
 
-def unit(p: Parameters, **options: Any) -> LinearUnit:
+class Inputs(NamedTuple):
+    force: float
+    pace: float
+
+
+class Own(NamedTuple):
+    impulse: float
+
+
+class Size(NamedTuple):
+    """Nothing fixes it."""
+
+
+def unit(p: Parameters, study: Study | None = None) -> LinearUnit:
     """z' = -(decay s) z + (1 + s) v, y = gain z + 2 v + 3 v', one own state: the integral of u."""
     one = np.ones((1, 1))
     setup = Setup((0.0 * one, -p.decay * one), (one, one), 5.0 * one, 2.0 * one, 3.0 * one, Constants(5.0))
-    return LinearUnit(
-        setup, p,
-        drive=lambda own, cubics, p, c, ops: (cubics[0],),
-        own_after=lambda h, own, cubics, p, c, ops: (own[0] + h * cubics[0][0],),
-        core=lambda own, u, du, p, c, ops: ((u[0],), (du[0],), (0.0,)),
+    model = LinearModel(
+        "scalar", "", Parameters, Inputs, tuple, tuple, Size, Own,
+        setup=lambda p, size, ops: setup,
+        prepare=lambda p: setup,
+        describe=lambda p, c, ops: (),
+        drive=lambda own, cubics, p, c, ops: (cubics.force,),
+        own_after=lambda h, own, cubics, p, c, ops: (own.impulse + h * cubics.force[0],),
+        core=lambda own, u, du, p, c, ops: ((u.force,), (du.force,), (0.0,)),
         observe=lambda t, own, y, rate, u, du, growth, p, c, ops: ((*y, *rate, growth, *own), ()),
-        schedule=lambda u, p, c, ops: u[1], **options,
-    )  # fmt: skip
+        schedule=lambda u, p, c, ops: u.pace,
+        study=(lambda size: study) if study else None,
+    )
+    return model.prepared(p)
 
 
 def test_step_with_the_schedule_of_its_middle() -> None:
@@ -45,7 +65,7 @@ def test_step_with_the_schedule_of_its_middle() -> None:
 
 
 def test_outputs_and_rates() -> None:
-    found, _ = unit(Parameters(0.7), growth_below=10.0).outputs(0.0, (1.0, 4.0), (6.0, 2.0), (0.5, 0.0))
+    found, _ = unit(Parameters(0.7), Study(growth_below="fast")).outputs(0.0, (1.0, 4.0), (6.0, 2.0), (0.5, 0.0))
     z_rate = -1.4 * 1.0 + 3.0 * 6.0
     # y = 5 z + 2 v + 3 v', y' = 5 z' + 2 v' + 3 v'', growth -1.4
     assert found == pytest.approx((5.0 + 12.0 + 1.5, 5.0 * z_rate + 1.0, -1.4, 4.0), rel=1e-14)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,16 +14,19 @@ from scipy.linalg import eig, expm
 from towage.fmus.slender_body import UNIT
 from towage.models.numeric.matrix_ops import numbers
 from towage.models.numeric.ops import FLOATS
+from towage.models.protocol.linear_model import NoModes
 from towage.models.slender import body as slender_body
 from towage.models.slender import critical as slender_critical
 from towage.models.slender.coefficients import Body
 from towage.models.slender.damping import FAST, exponential, fast_mode_damping
 from towage.models.slender.galerkin import Matrices
 from towage.models.slender.modes import matrices, roots, spectrum
-from towage.models.slender.plant import plant
-from towage.models.slender.setup import Parameters, masses, problem
+from towage.models.slender.prepared import prepare
+from towage.models.slender.setup import Parameters, masses, refusal
 
 Array = NDArray[np.float64]
+MODEL = slender_body.SLENDER_BODY
+advanced: Any = MODEL.advance
 BASE = Parameters(**{v.name: float(v.start or 0.0) for v in UNIT.parameters})
 FLUID, _ = masses(BASE, FLOATS)
 SPEED = 2.7
@@ -34,7 +38,7 @@ def run(
 ) -> Array:
     """(tip, tail, yaw) every 0.4 s. The craft's motion is a cubic over a step from values and central differences of
     1e-6, or with ``order`` = 1 linear; the speed is linear."""
-    x, m = slender_body.initial(p, FLOATS)
+    x, m = MODEL.initial(p, FLOATS)
     rows = []
 
     def rate(f: Callable[[float], float], t: float) -> float:
@@ -50,7 +54,7 @@ def run(
             da, db = rate(craft, t), rate(craft, t + step)
             w = (a, da, (3.0 * slope - 2.0 * da - db) / step, (da + db - 2.0 * slope) / step**2)
         u = (speed(t), (speed(t + step) - speed(t)) / step, 0.0, 0.0)
-        x = slender_body.advance(t, step, x, m, (u, w), p, FLOATS)
+        x = advanced(t, step, x, m, (u, w), p, FLOATS)
         if round((t + step) / 0.4 * 1e6) % 10**6 == 0:
             found = observe(p, x, speed(t + step), craft(t + step), t + step)
             rows.append((found.tip, found.tail, found.yaw_angle * p.length))
@@ -58,19 +62,19 @@ def run(
 
 
 def observe(p: Parameters, x: tuple[float, ...], speed: float, craft: float, t: float = 0.0) -> slender_body.Outputs:
-    return slender_body.outputs(
-        t, x, slender_body.Modes(), slender_body.Inputs(speed, craft), slender_body.Inputs(0.0, 0.0), p, FLOATS
+    return MODEL.outputs(
+        t, x, NoModes(), slender_body.Inputs(speed, craft), slender_body.Inputs(0.0, 0.0), p, FLOATS
     )
 
 
 def advance(p: Parameters, x: tuple[float, ...], h: float, speed: float, craft: float) -> tuple[float, ...]:
     held = [(speed, 0.0, 0.0, 0.0), (craft, 0.0, 0.0, 0.0)]
-    return slender_body.advance(0.0, h, x, slender_body.Modes(), held, p, FLOATS)
+    return advanced(0.0, h, x, NoModes(), held, p, FLOATS)
 
 
 def test_step_is_exact() -> None:
     """One step of 5 s equals fifty of 0.1 s, up to the rounding of matrix exponentials of norm 1e3."""
-    start, _ = slender_body.initial(BASE, FLOATS)
+    start, _ = MODEL.initial(BASE, FLOATS)
     once, many = advance(BASE, start, 5.0, SPEED, 0.1), start
     for _ in range(50):
         many = advance(BASE, many, 0.1, SPEED, 0.1)
@@ -79,7 +83,7 @@ def test_step_is_exact() -> None:
 
 def test_consistency_with_implicit_integration() -> None:
     """Radau on the same equations, to its tolerance of 1e-9 a step."""
-    made = plant(BASE)
+    made = prepare(BASE)
     u = SPEED / made.speed
     a, b = made.system.companion(u) / made.tau, made.system.load(u) / made.tau
 
@@ -97,7 +101,7 @@ def test_consistency_with_implicit_integration() -> None:
 
 def test_craft_at_rest_beside_the_course() -> None:
     """The body follows to w, at speeds at which it is stable."""
-    x = advance(BASE, slender_body.initial(BASE, FLOATS)[0], 4000.0, SPEED, 0.1)
+    x = advance(BASE, MODEL.initial(BASE, FLOATS)[0], 4000.0, SPEED, 0.1)
     found = observe(BASE, x, SPEED, 0.1)
     # decay exp(-0.0144 * 4000) = 1e-25; the matrix exponential squares its rounding over 4000 s
     assert (found.tip, found.tail, found.rope_angle, found.lateral_force) == pytest.approx((0.1, 0.1, 0.0, 0.0), abs=1e-9)
@@ -207,19 +211,19 @@ def test_damping_is_that_of_eigenvectors(n: int, body: Body) -> None:
 
 def test_rigid_has_two_pairs_of_states_and_its_own_resolution() -> None:
     rigid = replace(BASE, flexible=0.0)
-    x, _ = slender_body.initial(replace(rigid, lateral_start=0.2, yaw_start=0.01), FLOATS)
+    x, _ = MODEL.initial(replace(rigid, lateral_start=0.2, yaw_start=0.01), FLOATS)
     assert len(x) == 4
     found = observe(rigid, x, 1.0, 0.2)
     assert found.yaw_angle == pytest.approx(0.01, rel=1e-12)
     assert found.tip - found.tail == pytest.approx(0.01 * (10.0 + 0.15), rel=1e-12)
     assert found.margin_resolution < 0.0  # u = 1.33: flexure matters for the rope modes beyond 5 %
-    assert observe(BASE, slender_body.initial(BASE, FLOATS)[0], 1.0, 0.0).margin_resolution > 0.8
+    assert observe(BASE, MODEL.initial(BASE, FLOATS)[0], 1.0, 0.0).margin_resolution > 0.8
 
 
 def test_growth_rate_and_margin_change_sign_at_the_critical_speed() -> None:
-    made = plant(BASE)
+    made = prepare(BASE)
     limit = slender_critical.yaw(made.body, 5.0)[0] * made.speed
-    x, _ = slender_body.initial(BASE, FLOATS)
+    x, _ = MODEL.initial(BASE, FLOATS)
     below, above = observe(BASE, x, limit * 0.9999, 0.0), observe(BASE, x, limit * 1.0001, 0.0)
     assert below.growth_rate > 0.0 > above.growth_rate
     assert below.margin_stability < 0.0 < above.margin_stability
@@ -227,16 +231,16 @@ def test_growth_rate_and_margin_change_sign_at_the_critical_speed() -> None:
 
 
 def test_margins() -> None:
-    x, _ = slender_body.initial(replace(BASE, yaw_start=0.1), FLOATS)
+    x, _ = MODEL.initial(replace(BASE, yaw_start=0.1), FLOATS)
     assert observe(BASE, x, SPEED, x[0] + 0.0).margin_small_slope == pytest.approx(0.5, abs=0.02)  # 0.1 of 0.2 rad
     heavy = replace(BASE, mass_per_length=1.05 * FLUID)
-    x, _ = slender_body.initial(heavy, FLOATS)
+    x, _ = MODEL.initial(heavy, FLOATS)
     assert observe(heavy, x, SPEED, 0.0).margin_neutral_buoyancy == pytest.approx(0.5, rel=1e-9)
     assert all(math.isfinite(v) for v in observe(heavy, x, 1e-12, 0.0))
 
 
 def test_rates_of_outputs_against_differences() -> None:
-    x, _ = slender_body.initial(replace(BASE, yaw_start=0.02), FLOATS)
+    x, _ = MODEL.initial(replace(BASE, yaw_start=0.02), FLOATS)
     x = advance(BASE, x, 2.0, SPEED, 0.1)
     h = 1e-4
     before, after = observe(BASE, x, SPEED, 0.1), observe(BASE, advance(BASE, x, h, SPEED, 0.1), SPEED, 0.1)
@@ -265,37 +269,37 @@ def test_rates_of_outputs_against_differences() -> None:
     ],
 )
 def test_refusals_give_the_reason(change: dict[str, float], message: str) -> None:
-    assert problem(BASE) is None
-    reason = problem(replace(BASE, **change))
+    assert refusal(BASE) == ""
+    reason = refusal(replace(BASE, **change))
     assert reason is not None
     assert message in reason
 
 
 def test_negative_speed_is_refused() -> None:
-    x, m = slender_body.initial(BASE, FLOATS)
+    x, m = MODEL.initial(BASE, FLOATS)
     with pytest.raises(ValueError, match="towed nose first"):
         advance(BASE, x, 0.1, -1.0, 0.0)
     with pytest.raises(ValueError, match="towed nose first"):
-        slender_body.advance(0.0, 1.0, x, m, [(0.1, -1.0, 0.0, 0.0), (0.0,) * 4], BASE, FLOATS)
+        advanced(0.0, 1.0, x, m, [(0.1, -1.0, 0.0, 0.0), (0.0,) * 4], BASE, FLOATS)
     assert observe(BASE, x, -1.0, 0.0).tension == 0.0
 
 
 @pytest.mark.parametrize("speed", [0.0, 1e-9])
 def test_no_speed_is_a_free_body(speed: float) -> None:
     """At rest nothing pulls: a body that drifts goes on drifting."""
-    x, _ = slender_body.initial(BASE, FLOATS)
+    x, _ = MODEL.initial(BASE, FLOATS)
     moving = (*x[:14], 0.5, *x[15:])
     after = advance(BASE, moving, 10.0, speed, 0.0)
     # 0.5 m/tau for 10 s; M couples translation to the other modes by the end masses, which cancels here to 1 %
-    assert observe(BASE, after, speed, 0.0).tip == pytest.approx(0.5 * 10.0 / plant(BASE).tau, rel=0.02)
+    assert observe(BASE, after, speed, 0.0).tip == pytest.approx(0.5 * 10.0 / prepare(BASE).tau, rel=0.02)
 
 
 @pytest.mark.parametrize("nu", [1e-4, 0.1, 10.0])
 def test_step_is_exact_with_strong_structural_damping(nu: float) -> None:
     """Kelvin-Voigt numbers up to 10, where |s| reaches 1e9/tau: one step against fifty."""
     p = replace(BASE, structural_damping=nu * math.sqrt(BASE.bending_stiffness * 2.0 * FLUID) * BASE.length**2)
-    assert plant(p).body.damping == pytest.approx(nu, rel=1e-12)
-    start, _ = slender_body.initial(replace(p, yaw_start=0.01), FLOATS)
+    assert prepare(p).body.damping == pytest.approx(nu, rel=1e-12)
+    start, _ = MODEL.initial(replace(p, yaw_start=0.01), FLOATS)
     once, many = advance(p, start, 5.0, SPEED, 0.1), start
     for _ in range(50):
         many = advance(p, many, 0.1, SPEED, 0.1)
@@ -312,8 +316,8 @@ def test_step_is_exact_with_strong_structural_damping(nu: float) -> None:
 )  # fmt: skip
 def test_extreme_bodies_step_and_report(change: dict[str, float]) -> None:
     p = replace(BASE, **change)
-    assert problem(p) is None
-    x, _ = slender_body.initial(replace(p, yaw_start=0.01), FLOATS)
+    assert refusal(p) == ""
+    x, _ = MODEL.initial(replace(p, yaw_start=0.01), FLOATS)
     for _ in range(20):
         x = advance(p, x, 0.1, SPEED, 0.05)
     assert all(map(math.isfinite, observe(p, x, SPEED, 0.05)))

@@ -13,6 +13,7 @@ import pytest
 from towage.fmus.slender_body import UNIT
 from towage.models.numeric.matrix_ops import numbers, traces
 from towage.models.numeric.ops import FLOATS, symbols
+from towage.models.protocol.linear_model import NoOwn
 from towage.models.slender import body as slender_body
 from towage.models.slender.body import Parameters, Size
 from towage.models.slender.setup import Constants, Undamped, assemble, system_of
@@ -83,13 +84,15 @@ def test_functions_by_casadi_are_those_of_floats(size: Size) -> None:
     rng = random.Random(0)
 
     def every(p: Any, c: Any, v: Any, ops: Any) -> list[Any]:
-        u, du, y, rate = v[:2], v[2:4], v[4:32], v[32:60]
-        observed, extras = slender_body.observe(0.0, (), y, rate, u, du, v[60], p, c, ops)
-        z, own = slender_body.start(p, c, ops)
-        w, w_rate, w_second = slender_body.core((), u, du, p, c, ops)
+        own = NoOwn()
+        u, du = slender_body.Inputs(*v[:2]), slender_body.Inputs(*v[2:4])
+        cubics, y, rate = slender_body.Inputs(v[4:8], v[8:12]), v[4:32], v[32:60]
+        observed, extras = slender_body.observe(0.0, own, y, rate, u, du, v[60], p, c, ops)
+        z, own_start = slender_body.start(p, c, ops)
+        w, w_rate, w_second = slender_body.core(own, u, du, p, c, ops)
         return [
-            *observed, *z, *own, *extras, *w, *w_rate, *w_second, *slender_body.describe(p, c, ops),
-            slender_body.schedule(u, p, c, ops), *slender_body.drive((), [v[4:8], v[8:12]], p, c, ops)[0],
+            *observed, *z, *own_start, *extras, *w, *w_rate, *w_second, *slender_body.describe(p, c, ops),
+            slender_body.schedule(u, p, c, ops), *slender_body.drive(own, cubics, p, c, ops)[0],
             *(value for value, _ in slender_body.requirements(p, ops)),
         ]  # fmt: skip
 

@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from towage.errors import SceneError
+from towage.fmus.declare.dependencies import dependencies
 from towage.fmus.declare.unit import Unit, load
 from towage.fmus.native.build import build_unit
-from towage.fmus.python.instance import CallError, Instance
+from towage.fmus.python.instance import Instance
+from towage.fmus.python.values import CallError
 from towage.master.master import Master
 from towage.models.cable.units import tow_system
 from towage.models.heave import ship
@@ -130,9 +132,8 @@ def test_declaration_keeps_what_the_scene_says() -> None:
     assert start["line.static_tension"] == start["cradle.weight_in_water"] == pytest.approx(8 * 9964.01641818352)
     assert [v.name for v in unit.inputs] == ["cradle.submersible_velocity"]
     assert "line.freeze_branches" not in names and "cradle.integration_tolerance" not in names
-    assert unit.stepped and unit.description == "Sea Cliff's cradle under Lulu"
-    assert all(f"{v.name}_rate" in names for v in unit.outputs if v.rate)
-    depends = {v.name: v.depends for v in unit.outputs}
+    assert unit.model.integrated and unit.description == "Sea Cliff's cradle under Lulu"
+    depends = dependencies(unit)
     assert depends["cradle.velocity"] == ("cradle.submersible_velocity",) and depends["line.tension"] == ()
 
 
@@ -164,7 +165,7 @@ def test_tow_scene_equals_the_equations_joined_by_hand() -> None:
             for f in fields(tow_system.Parameters)
         }
     )
-    (a,), (b,), c, d, e, _ = tow_system.prepare(tow).setup
+    (a,), (b,), c, d, e, _ = tow_system.prepare(tow)
     n = len(a)
 
     def motion(t: float, x: NDArray[np.float64]) -> tuple[float, float]:

@@ -14,10 +14,10 @@ from scipy.linalg import expm
 from towage.checks import simpler as judge_slender
 from towage.errors import SceneError
 from towage.master.master import Master
-from towage.models.heave import ship
 from towage.models.numeric.ops import FLOATS
+from towage.models.numeric.oscillator import driven
 from towage.models.slender import sway_craft
-from towage.models.slender.plant import plant
+from towage.models.slender.prepared import prepare
 from towage.result.result import Check, Result
 from towage.scene.scene import Scene, SimplerCheck
 from towage.tow_stability.stability import bodies
@@ -50,16 +50,19 @@ def monolithic(chosen: Scene, h: float) -> tuple[Array, Array]:
     """(tail, craft lateral), m, every h of body and craft as one linear system, its matrix that of mid-step: exact for
     the free sway as a cubic over h, and of fourth order in h then at constant speed."""
     towed = bodies(chosen)[0]
-    made, n = plant(towed.parameters), plant(towed.parameters).n
+    made, n = prepare(towed.parameters), prepare(towed.parameters).n
     resolved = Master(chosen).resolved.units["craft"]
     values = {v.name: v.start for v in resolved.description.variables if v.causality == "parameter"}
     p = sway_craft.Parameters(
         **{name: float(resolved.parameters.get(name, values[name])) for name in sway_craft.Parameters.__dataclass_fields__}
     )
-    hull = sway_craft.oscillator(p)
+
+    def free(t: float) -> tuple[float, float, float]:
+        return driven(t, p.sway_amplitude, p.sway_period, p.sway_phase, p.ramp_time, FLOATS)
+
     z = np.zeros(2 * n + 2)
     z[1] = -towed.parameters.yaw_start * towed.parameters.length / 12.0**0.5
-    rows = [(float(made.points[1] @ z[:n]), ship.free_motion(0.0, hull, FLOATS)[0])]
+    rows = [(float(made.points[1] @ z[:n]), free(0.0)[0])]
     known: dict[float, Array] = {}
 
     def matrix(t: float) -> Array:
@@ -82,7 +85,7 @@ def monolithic(chosen: Scene, h: float) -> tuple[Array, Array]:
         return known[speed]
 
     for k in range(round(chosen.stop_time / h)):
-        (a, da, _), (b, db, _) = (ship.free_motion(t, hull, FLOATS) for t in (k * h, (k + 1) * h))
+        (a, da, _), (b, db, _) = (free(t) for t in (k * h, (k + 1) * h))
         da, db = h * da, h * db
         cubic = [a, da, 2.0 * (3.0 * (b - a) - 2.0 * da - db), 6.0 * (da + db - 2.0 * (b - a))]
         z = (matrix((k + 0.5) * h) @ np.concatenate([z, cubic]))[: 2 * n + 2]

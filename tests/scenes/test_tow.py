@@ -52,7 +52,7 @@ LONG = [pytest.param(n, marks=pytest.mark.slow) if n in ("tow_600ft", "tow_5km")
 def test_every_shipped_step_operator_contracts(name: str) -> None:
     tow = towing.scene_tows(Scene.load(name))[0]
     keys = tow_system.Parameters.__dataclass_fields__
-    model = tow_system.prepare(tow_system.Parameters(**{k: tow.parameters[k] for k in keys})).model
+    model = tow_system.chosen(tow_system.Parameters(**{k: tow.parameters[k] for k in keys})).model
     for h in STEPS:
         assert exact_step(model.a, model.b, h).spectral_radius < 1.0
 
@@ -61,7 +61,7 @@ def test_every_shipped_step_operator_contracts(name: str) -> None:
 def test_step_operator_of_the_cable_alone_contracts() -> None:
     tow = towing.scene_tows(Scene.load("tow_two_units"))[0]
     keys = tow_cable.Parameters.__dataclass_fields__
-    model = tow_cable.prepare(tow_cable.Parameters(**{k: tow.parameters[k] for k in keys})).model
+    model = tow_cable.chosen(tow_cable.Parameters(**{k: tow.parameters[k] for k in keys})).model
     for h in STEPS:
         assert exact_step(model.a, model.b, h).spectral_radius < 1.0
 

@@ -204,7 +204,7 @@ def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Check
         nonlinear = linearity_error(tow.tow, velocity, omega, p["body_quadratic_drag"] > 0.5)
         if tow.unit == "tow_system":
             keys = tow_system.Parameters.__dataclass_fields__
-            reduced = tow_system.prepare(tow_system.Parameters(**{k: p[k] for k in keys})).chosen
+            reduced = tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in keys}))
         else:
             extensible = math.isfinite(tow.tow.cable.axial_stiffness)
             reduced = choose(tow.tow, extensible, max(omega * 1.5, 1e-3), min(0.5, wanted))

@@ -26,7 +26,8 @@ from towage.ensemble.engine import DONE, Engine
 from towage.ensemble.rows import columns, composed, refusals, rows
 from towage.errors import RunError, SceneError
 from towage.fmus.declare.unit import BuildError, Unit
-from towage.fmus.python.instance import CallError, Instance, StepError
+from towage.fmus.python.instance import Instance
+from towage.fmus.python.values import CallError, StepError
 from towage.scene.scene import Scene, suggest
 from towage.units.store import locator
 
@@ -89,7 +90,7 @@ class Ensemble:
         self.varied = columns(varied)
         if self.scene and observed is None:
             observed = [f"{unit}.{name}" for unit, name in self.scene.resolve(locator()).record]
-        self.observed = tuple(observed or (v.name for v in unit.outputs if v.causality == "output"))
+        self.observed = tuple(observed or (v.name for v in unit.observed if v.causality == "output"))
         for name in self.observed:
             if name not in {v.name for v in unit.observed}:
                 raise SceneError(f"{unit.name} has no output {name!r}{suggest(name, [v.name for v in unit.observed])}")
@@ -209,7 +210,7 @@ class Ensemble:
         instance = Instance(unit)
         names = self._text.columns
         references, values = [unit.index[n] for n in names], self.rows[member].tolist()
-        if unit.stepped:
+        if unit.model.integrated:
             references, values = [*references, unit.index["integration_tolerance"]], [*values, REFERENCE_TOLERANCE]
         wanted = [unit.index[name] for name in self.observed]
         table = np.empty((len(times), len(wanted)))

@@ -16,7 +16,7 @@ from towage.scene.scene import Case, Scene, suggest
 from towage.units.store import locator
 
 if TYPE_CHECKING:
-    from towage.fmus.native.trace import Traced
+    from towage.fmus.native.traced import Traced
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """Which FMU every unit of a scene gets: its Python flavour, a native one, or the file that the scene names.
 
 A scene is checked against the declarations of its units, which both flavours share; then the FMUs are chosen. Sizes of a
-native FMU are fixed when it is built (``STRUCTURE`` of its model), so that a scene, and each of its cases, decides not only
+native FMU are fixed when it is built (``Size`` of its model), so that a scene, and each of its cases, decides not only
 whether there is one but which. ``segments = 0``, as many as the tolerance needs, is decided by the Python model here.
 """
 
@@ -99,33 +99,31 @@ def _with(unit: ResolvedUnit, description: Description, structure: Structure) ->
 
 
 def _structure(unit: ResolvedUnit, shipped: str) -> Structure | None:
-    """Values of the structural parameters that the scene's values ask for. None where the model refuses these values:
-    the unit itself says best why."""
+    """Values of the structural parameters that the scene's values ask for. None where the model refuses these values,
+    which the unit then says."""
     from towage.fmus.declare.unit import load
 
-    model = load(shipped).model
-    names: tuple[str, ...] = getattr(model, "STRUCTURE", ())
-    if not names:
+    declared = load(shipped)
+    if not declared.model.linear:
         return {}
-    fields = model.Parameters.__dataclass_fields__
     variables = unit.description.by_name()
-    values = {n: float(unit.parameters.get(n, variables[n].start or 0.0)) for n in fields if n in variables}
-    structure = {name: values[name] for name in names}
-    if structure.get("segments") == 0.0:
-        try:
-            structure["segments"] = _segments(shipped, tuple(values.items()))
-        except ValueError:
-            return None
-    return structure
+    names = [v.name for v in declared.parameters if v.name in variables]
+    values = {name: float(unit.parameters.get(name, variables[name].start or 0.0)) for name in names}
+    try:
+        return _size(shipped, tuple(values.items()))
+    except ValueError:
+        return None
 
 
 @functools.cache
-def _segments(shipped: str, values: tuple[tuple[str, float], ...]) -> float:
-    """As many segments as the tolerance needs. Raises ``ValueError`` for a tow that makes no sense."""
+def _size(shipped: str, values: tuple[tuple[str, float], ...]) -> Structure:
+    """The structure of the unit's model with these parameters. Raises ``ValueError`` where there is none."""
     from towage.fmus.declare.unit import load
 
-    model = load(shipped).model
-    return float(model.prepare(model.Parameters(**dict(values))).chosen.nodes)
+    linear = load(shipped).model.linear
+    assert linear is not None
+    size = linear.size_of(linear.Parameters(**dict(values)))
+    return dict(zip(size._fields, map(float, size)))
 
 
 def _cached(shipped: str) -> bool:

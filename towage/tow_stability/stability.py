@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from towage.errors import SceneError
 from towage.fmus.slender_body import UNIT
 from towage.models.slender import critical as slender_critical
-from towage.models.slender import plant as slender_plant
+from towage.models.slender import prepared as slender_prepared
+from towage.models.slender import setup as slender_setup
 from towage.models.slender.coefficients import Body
 from towage.models.slender.modes import growth_rate, matrices
 from towage.models.slender.tracking import Path as ModePath
@@ -59,18 +60,18 @@ class Towed:
     """A unit `slender.body` of a scene: its name, SI parameters and the dimensionless body."""
 
     name: str
-    parameters: slender_plant.Parameters
+    parameters: slender_setup.Parameters
     body: Body
 
     @property
     def speed_scale(self) -> float:
         """Tow speed at u = 1, m/s."""
-        return slender_plant.plant(self.parameters).speed
+        return slender_prepared.prepare(self.parameters).speed
 
     @property
     def time_scale(self) -> float:
         """tau, s."""
-        return slender_plant.plant(self.parameters).tau
+        return slender_prepared.prepare(self.parameters).tau
 
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
@@ -82,11 +83,10 @@ def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
             continue
         given: dict[str, Value] = unit.parameters
         values = {v.name: float(given.get(v.name, v.start or 0.0)) for v in UNIT.parameters}
-        p = slender_plant.Parameters(**values)
-        problem = slender_plant.problem(p)
-        if problem:
-            raise scene.error(problem, f"units.{name}.parameters")
-        found.append(Towed(name, p, slender_plant.body(p)))
+        p = slender_setup.Parameters(**values)
+        if refusal := slender_setup.refusal(p):
+            raise scene.error(refusal, f"units.{name}.parameters")
+        found.append(Towed(name, p, slender_setup.body(p)))
     if not found:
         raise SceneError(f"no unit of the scene is a {UNIT.name}", file=scene.file, key="units")
     return found
@@ -149,7 +149,7 @@ def stability_map(
 def _models() -> str:
     """Hash of the text of the models that rows follow from."""
     digest = hashlib.sha256()
-    for file in sorted(Path(slender_plant.__file__).parent.glob("*.py")):
+    for file in sorted(Path(slender_setup.__file__).parent.glob("*.py")):
         digest.update(file.read_bytes())
     return digest.hexdigest()
 

@@ -20,6 +20,7 @@ from towage.models.slender import critical as slender_critical
 from towage.models.slender import rigid as slender_rigid
 from towage.models.slender.coefficients import Body
 from towage.models.slender.modes import matrices, spectrum
+from towage.models.slender.setup import Parameters
 
 Values = Mapping[str, Any]
 SPEEDS = 14.0
@@ -92,7 +93,7 @@ def time_domain(inputs: Values, expected: Values) -> Values:
     length, diameter, stiffness = inputs["L"], inputs["D"], inputs["EI"]
     fluid = inputs["rho"] * 0.25 * math.pi * diameter**2
     total = fluid / made.mass_ratio
-    p = slender_body.Parameters(
+    p = Parameters(
         length=length, diameter=diameter, bending_stiffness=stiffness,
         structural_damping=made.damping * math.sqrt(stiffness * total) * length**2, mass_per_length=total - fluid,
         water_density=inputs["rho"], end_length=made.end_length * length, tail_cut=made.tail_cut,
@@ -104,9 +105,11 @@ def time_domain(inputs: Values, expected: Values) -> Values:
         lateral_start=0.0, yaw_start=0.0, slope_limit=0.2, buoyancy_limit=0.1,
     )  # fmt: skip
     speed, w, t = float(inputs["U"]), float(inputs["craft_lateral_step"]), float(inputs["t"])
-    x, modes = slender_body.initial(p, FLOATS)
-    x = slender_body.advance(0.0, t, x, modes, [(speed, 0.0, 0.0, 0.0), (w, 0.0, 0.0, 0.0)], p, FLOATS)
-    found = slender_body.outputs(
+    model = slender_body.SLENDER_BODY
+    x, modes = model.initial(p, FLOATS)
+    assert model.advance is not None
+    x = model.advance(0.0, t, x, modes, [(speed, 0.0, 0.0, 0.0), (w, 0.0, 0.0, 0.0)], p, FLOATS)
+    found = model.outputs(
         t, x, modes, slender_body.Inputs(speed, w), slender_body.Inputs(0.0, 0.0), p, FLOATS
     )
     return {

@@ -23,7 +23,8 @@ from ....models.heave.system import DORMAND_PRINCE_8
 from ....models.numeric.integrate import Tableau
 from ...declare.unit import Unit
 from ..compiler import compiler, host, output_of
-from ..trace import NotNative, Traced, column, trace
+from ..trace import trace
+from ..traced import NotNative, Traced, column
 
 SOURCES = Path(__file__).resolve().parent
 FLAGS = (
@@ -169,7 +170,7 @@ class Writer:
 def text(unit: Unit, observed: Sequence[str], method: Tableau = METHOD) -> Text:
     """The unit as C text that computes the outputs ``observed``. Raises `NotNative` for a unit that cannot be traced or
     has no rates."""
-    if hasattr(unit.model, "setup") or not hasattr(unit.model, "derivatives"):
+    if unit.model.linear or not unit.model.derivatives:
         raise NotNative(f"{unit.name} has no rates to integrate; a scene that contains it can be composed")
     traced = trace(unit)
     functions = traced.functions

@@ -22,7 +22,7 @@ from ...numeric.matrix_ops import MatrixOps, numbers
 from ..case import CableError, Tow
 from ..steady.perturbation import ComplexArray, Excitation, Response
 from ..steady.response import mesh, responses
-from .linear import LinearModel, cable_elastic, tow_elastic, tow_rigid
+from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .reduction import reduce, relative_error
 
 FEWEST, MOST = 6, 120
@@ -34,8 +34,8 @@ class Chosen:
     """``full``: the model before reduction; ``nodes``: segments; ``error``: of discretisation and reduction together,
     relative, over the band; ``inextensible_error``: of leaving EA out (0 for an elastic model or an unknown EA)."""
 
-    model: LinearModel
-    full: LinearModel
+    model: StateSpace
+    full: StateSpace
     nodes: int
     error: float
     inextensible_error: float
@@ -100,7 +100,7 @@ def choose(
     return Chosen(final, full, count, error, lost)
 
 
-def ends_together(model: LinearModel, ops: MatrixOps) -> LinearModel:
+def ends_together(model: StateSpace, ops: MatrixOps) -> StateSpace:
     """`cable_elastic` with the inputs (velocity of both ends together, m/s, offset of the body, m, its rate, m/s), of which
     the first four count."""
     one, none = np.eye(2), np.zeros((2, 2))
@@ -108,6 +108,6 @@ def ends_together(model: LinearModel, ops: MatrixOps) -> LinearModel:
     return replace(model, b=model.b @ turn, d=model.d @ turn, e=model.e @ turn)
 
 
-def _gains(model: LinearModel, omega: float) -> ComplexArray:
+def _gains(model: StateSpace, omega: float) -> ComplexArray:
     gains: ComplexArray = np.column_stack([model.response(omega, u)[:4] for u in np.eye(4, dtype=complex)])
     return gains

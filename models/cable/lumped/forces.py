@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from ...numeric.arrays import Array
 from ..case import Tow
-from ..steady.steady import Array
 
 COMPLEX_STEP = 1e-150
 

@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numeric.matrix_ops import Matrix, MatrixOps, numbers
+from ...numeric.ops import Value
 from ..case import CableError, Tow
 from ..steady.perturbation import ComplexArray
 from .lumped import Chain, Matrices, ends, equilibrium, matrices, rows, steady_towpoint_force
@@ -41,12 +42,27 @@ BODY_OFFSET = slice(4, 6)
 """Rows of y: displacement of the body relative to the towpoint, m."""
 END_TENSION = slice(6, 8)
 """Rows of y: tension at the body and at the towpoint, N."""
-PROFILE = 8
+
+
+class Rows(NamedTuple):
+    """The first rows of y by name. ``body_surge`` and ``body_heave``: `BODY_VELOCITY`."""
+
+    force_surge: Value
+    force_heave: Value
+    body_surge: Value
+    body_heave: Value
+    offset_surge: Value
+    offset_heave: Value
+    tension_body: Value
+    tension_top: Value
+
+
+PROFILE = len(Rows._fields)
 """First of the rows of y with the segments' tensions, N, and then their angles, rad."""
 
 
 @dataclass(frozen=True)
-class LinearModel:
+class StateSpace:
     """A state space of the cable; matrices of shapes (n, n), (n, m), (r, n), (r, m), (r, m)."""
 
     chain: Chain
@@ -69,17 +85,17 @@ class LinearModel:
         return -self.e[FORCE, :2]
 
 
-def tow_rigid(tow: Tow, count: int) -> LinearModel:
+def tow_rigid(tow: Tow, count: int) -> StateSpace:
     """Cable of constant length with body: 2 N states, inputs (v_x, v_y of the towpoint, f_x, f_y on the body)."""
     return rigid_model(matrices(equilibrium(tow, count), elastic=False))
 
 
-def tow_elastic(tow: Tow, count: int) -> LinearModel:
+def tow_elastic(tow: Tow, count: int) -> StateSpace:
     """Elastic cable with body: 4 N states, inputs as `tow_rigid`."""
     return elastic_model(_elastic(tow, count))
 
 
-def cable_elastic(tow: Tow, count: int) -> LinearModel:
+def cable_elastic(tow: Tow, count: int) -> StateSpace:
     """Elastic cable alone, 4 (N-1) states; inputs (v_x, v_y of the towpoint, v_x, v_y of the body, offset x, y of the
     body from the towpoint, m, the integral of the difference). `BODY_VELOCITY` rows hold the force on the body.
 
@@ -109,9 +125,9 @@ class _Rows(NamedTuple):
         return _Rows(matrix @ self.x, matrix @ self.u, matrix @ self.du)
 
 
-def _model(chain: Chain, a: Matrix, b: Matrix, parts: list[_Rows], ops: MatrixOps) -> LinearModel:
+def _model(chain: Chain, a: Matrix, b: Matrix, parts: list[_Rows], ops: MatrixOps) -> StateSpace:
     c, d, e = (ops.vstack(list(part)) for part in zip(*parts))
-    return LinearModel(chain, a, b, c, d, e)
+    return StateSpace(chain, a, b, c, d, e)
 
 
 def _end_directions(chain: Chain, ops: MatrixOps) -> tuple[Matrix, Matrix]:
@@ -142,7 +158,7 @@ def _body_side(count: int, ops: MatrixOps) -> Matrix:
     return ops.constant(np.kron(np.triu(np.ones((count + 1, count))), np.eye(2)))
 
 
-def rigid_model(m: Matrices, ops: MatrixOps | None = None) -> LinearModel:
+def rigid_model(m: Matrices, ops: MatrixOps | None = None) -> StateSpace:
     """`tow_rigid` from given matrices."""
     ops = ops or numbers()
     chain, n = m.chain, m.chain.count
@@ -193,7 +209,7 @@ def _pull(m: Matrices, velocity: _Rows, acceleration: _Rows, ops: MatrixOps) -> 
     )
 
 
-def elastic_model(m: Matrices, ops: MatrixOps | None = None) -> LinearModel:
+def elastic_model(m: Matrices, ops: MatrixOps | None = None) -> StateSpace:
     """`tow_elastic` from given matrices."""
     ops = ops or numbers()
     chain, n = m.chain, m.chain.count
@@ -230,7 +246,7 @@ def _profile(chain: Chain, ops: MatrixOps) -> Matrix:
     return ops.vstack([rows(stiffness * x, stiffness * y, ops), rows(-y / square, x / square, ops)]) @ (upper - lower).T
 
 
-def cable_model(m: Matrices, ops: MatrixOps | None = None) -> LinearModel:
+def cable_model(m: Matrices, ops: MatrixOps | None = None) -> StateSpace:
     """`cable_elastic` from given matrices."""
     ops = ops or numbers()
     chain, n = m.chain, m.chain.count

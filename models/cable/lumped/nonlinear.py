@@ -27,8 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
+from ...numeric.arrays import Array
 from ..case import CableError, Tow
-from ..steady.steady import Array
 from .forces import COMPLEX_STEP, node_mass, segment_forces
 from .lumped import Chain, equilibrium
 

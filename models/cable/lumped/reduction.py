@@ -27,10 +27,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import matrix_balance, solve_continuous_lyapunov
 
+from ...numeric.arrays import Array
 from ..case import CableError
 from ..steady.perturbation import ComplexArray
-from ..steady.steady import Array
-from .linear import BODY_VELOCITY, FORCE, LinearModel
+from .linear import BODY_VELOCITY, FORCE, StateSpace
 
 FREQUENCIES = 40
 """Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
@@ -42,7 +42,7 @@ BAND_START = 0.02
 class Reduced:
     """``error``: relative, as the module's text says, up to ``band``, rad/s."""
 
-    model: LinearModel
+    model: StateSpace
     error: float
     band: float
 
@@ -52,7 +52,7 @@ def band_frequencies(band: float, count: int = FREQUENCIES) -> Array:
     return np.geomspace(min(BAND_START, 0.1 * band), band, count)
 
 
-def transfer(model: LinearModel, frequencies: Array) -> ComplexArray:
+def transfer(model: StateSpace, frequencies: Array) -> ComplexArray:
     """Gains of every output by every input, shape (frequencies, r, m), for exp(-i omega t)."""
     values, vectors = np.linalg.eig(model.a)
     left, right = np.linalg.solve(vectors, model.b), model.c @ vectors
@@ -74,12 +74,12 @@ def relative_error(found: ComplexArray, exact: ComplexArray, inputs: int = 4) ->
     return worst
 
 
-def stable(model: LinearModel) -> bool:
+def stable(model: StateSpace) -> bool:
     """Whether every mode decays."""
     return bool(np.linalg.eigvals(model.a).real.max(initial=-1.0) < 0.0)
 
 
-def reduce(model: LinearModel, tolerance: float, band: float, extensible: bool, inputs: int = 4) -> Reduced:
+def reduce(model: StateSpace, tolerance: float, band: float, extensible: bool, inputs: int = 4) -> Reduced:
     """The smallest model of the method for its kind whose error up to ``band``, rad/s, is at most ``tolerance``; the
     full model, error 0, where none is. Raises `CableError` for a tolerance or band that is not positive."""
     if not (tolerance > 0.0 and band > 0.0):
@@ -97,10 +97,10 @@ def reduce(model: LinearModel, tolerance: float, band: float, extensible: bool, 
     return Reduced(model, 0.0, band)
 
 
-Build = Callable[[int], LinearModel | None]
+Build = Callable[[int], StateSpace | None]
 
 
-def _balanced(model: LinearModel, exact: ComplexArray, inputs: int) -> Build:
+def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
     """Function of the number of states that gives the reduced model, or None."""
     rows = np.r_[FORCE, BODY_VELOCITY]
     # outputs and inputs measured by what passes between them in the band
@@ -120,7 +120,7 @@ def _balanced(model: LinearModel, exact: ComplexArray, inputs: int) -> Build:
     left = observability @ u[:, :count] * root
     a, b, c = left.T @ a @ right, left.T @ all_b, all_c @ right
 
-    def build(states: int) -> LinearModel | None:
+    def build(states: int) -> StateSpace | None:
         if states >= count:
             return None
         k = states
@@ -141,7 +141,7 @@ def _root(gramian: Array) -> Array:
     return root
 
 
-def _modal(model: LinearModel, exact: ComplexArray, frequencies: Array, inputs: int) -> Build:
+def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: int) -> Build:
     """Function of the number of states that gives the reduced model, or None where it would split a pair."""
     values, vectors = np.linalg.eig(model.a)
     upper = np.flatnonzero(values.imag >= 0.0)
@@ -159,7 +159,7 @@ def _modal(model: LinearModel, exact: ComplexArray, frequencies: Array, inputs: 
     order = np.argsort(-importance)
     sizes = np.cumsum(width[order])
 
-    def build(states: int) -> LinearModel | None:
+    def build(states: int) -> StateSpace | None:
         found = np.flatnonzero(sizes == states)
         if not len(found):
             return None

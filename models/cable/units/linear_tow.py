@@ -9,24 +9,23 @@ the left.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import reduce
 from typing import Any, NamedTuple
 
 from ...numeric.matrix_ops import MatrixOps
 from ...numeric.ops import FLOATS, Ops, Value
-from ...protocol.linear_model import LinearUnit
+from ...protocol.model import Requirement
 from ...protocol.state_space import Comparison, Setup
-from ..case import Condition
+from ...protocol.variables import local
 from ..lumped.fidelity import Chosen
-from ..lumped.linear import PROFILE, LinearModel
+from ..lumped.linear import PROFILE, StateSpace
 from ..lumped.lumped import BALANCE, OUTSIDE, flow, steady_towpoint_force
-from ..parameters import LinearParameters
+from ..parameters import Choice
 
 FLOOR = 1e-3
 """rad; least distance to the stream's direction by which a turn is measured."""
 
-EXTRA = "segment_tension", "N", "Tension of a segment, the first at the body"
+EXTRA = "segment_tension", local("N", "Tension of a segment, the first at the body")
 """What `observe` of both units gives beside the outputs."""
 
 
@@ -54,19 +53,7 @@ class Constants(NamedTuple):
     imbalance: Value
 
 
-@dataclass(eq=False, kw_only=True)
-class TowUnit(LinearUnit):
-    """A linear towing unit of the Python flavour, with the model chosen for it."""
-
-    chosen: Chosen
-
-    @property
-    def model(self) -> LinearModel:
-        """The state space, tensions in N and turns in rad."""
-        return self.chosen.model
-
-
-def setup_of(model: LinearModel, direct: Any, measured: Value, ops: MatrixOps) -> Setup:
+def setup_of(model: StateSpace, direct: Any, measured: Value, ops: MatrixOps) -> Setup:
     """The set-up of a state space. ``direct`` (2, 2) and ``measured`` as in `Constants`."""
     chain, tow, n, f = model.chain, model.chain.tow, model.chain.count, flow(model.chain)
     room = ops.vectors.maximum(FLOOR, ops.vectors.atan2(f.sine, f.cosine))
@@ -87,17 +74,17 @@ def setup_of(model: LinearModel, direct: Any, measured: Value, ops: MatrixOps) -
     return Setup((model.a,), (model.b,), c, d, e, constants)
 
 
-def chosen_setup(found: Setup, chosen: Chosen) -> Setup:
+def chosen_setup(setup: Setup, chosen: Chosen) -> Setup:
     """A set-up with what was found out in choosing its model; plain floats, which are the fastest. The Python flavour
     shows no tensions of segments, and computes none without the steady ones."""
 
     def plain(value: Any) -> Any:
         return tuple(map(float, value)) if isinstance(value, tuple) else float(value)
 
-    constants = found.constants._replace(
+    constants = setup.constants._replace(
         model_error=chosen.error, inextensible_error=chosen.inextensible_error, steady_tension=()
     )
-    return found._replace(constants=Constants(*map(plain, constants)))
+    return setup._replace(constants=Constants(*map(plain, constants)))
 
 
 def halved(size: Any, least: int) -> tuple[Comparison, ...]:
@@ -109,12 +96,12 @@ def halved(size: Any, least: int) -> tuple[Comparison, ...]:
     return (Comparison(size._replace(segments=half), 1.0 / ((count / half) ** 2 - 1.0), "model_error"),)
 
 
-def setup_requirements(p: Any, constants: Constants, ops: Ops) -> tuple[Condition, ...]:
+def setup_requirements(p: Any, constants: Constants, ops: Ops) -> tuple[Requirement, ...]:
     """What a tow in equilibrium fulfils."""
     return ((ops.minimum(constants.least_tension, BALANCE - constants.imbalance), f"a segment {OUTSIDE}"),)
 
 
-def untunable(p: LinearParameters) -> str:
+def tuning_refusal(p: Choice) -> str:
     """Why parameters may not change while the unit runs; empty if they may, and the state is kept."""
     if p.reduced > 0.5:
         return "the states of another reduced model mean something else, this needs reduced = 0"
@@ -136,12 +123,12 @@ def extreme(values: Sequence[Value], which: Callable[..., Any], ops: Ops) -> Val
     return which(values) if ops is FLOATS else reduce(ops.maximum if which is max else ops.minimum, values)
 
 
-def flow_margin(y: Sequence[Value], velocity: Sequence[Value], speed: Value, c: Constants, ops: Ops) -> Value:
-    """1 - |V1|/V0 at the towpoint, for its velocity, m/s; the cable turns there with its last segment."""
-    change = velocity[0] * c.top_cosine + velocity[1] * c.top_sine - speed * c.top_turn * y[-1] * c.top_sine
+def flow_margin(y: Sequence[Value], surge: Value, heave: Value, speed: Value, c: Constants, ops: Ops) -> Value:
+    """1 - |V1|/V0 at the towpoint, for its velocity (surge, heave), m/s; the cable turns there with its last segment."""
+    change = surge * c.top_cosine + heave * c.top_sine - speed * c.top_turn * y[-1] * c.top_sine
     return 1.0 - ops.abs(change) / (speed * ops.maximum(ops.abs(c.top_cosine), 1e-6))
 
 
-def speed_margin(velocity: Sequence[Value], speed: Value, limit: Value, ops: Ops) -> Value:
-    """1 - v/(limit c)."""
-    return 1.0 - ops.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1]) / (limit * speed)
+def speed_margin(surge: Value, heave: Value, speed: Value, limit: Value, ops: Ops) -> Value:
+    """1 - v/(limit c), v the speed of an end, (surge, heave), m/s."""
+    return 1.0 - ops.sqrt(surge * surge + heave * heave) / (limit * speed)

@@ -23,22 +23,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ...numeric.matrix_ops import MatrixOps, numbers
 from ...numeric.ops import Ops, Value
-from ...protocol.linear_model import remembered
+from ...protocol.linear_model import LinearModel
+from ...protocol.model import Requirement, remembered
 from ...protocol.state_space import Reduction, Setup, Study
-from ..case import CableError, Condition
-from ..lumped.fidelity import choose, ends_together
-from ..lumped.linear import BODY_VELOCITY, PROFILE, LinearModel, cable_model
+from ...protocol.variables import EVERY_INPUT, Rate, calculated_parameter, input_variable, output
+from ..case import CableError
+from ..lumped.fidelity import Chosen, choose, ends_together
+from ..lumped.linear import BODY_VELOCITY, PROFILE, Rows, StateSpace, cable_model
 from ..lumped.lumped import hang, matrices
-from ..parameters import LinearParameters, Modes, integral, tow_of, tow_requirements, traced_tow
-from . import tow_system
+from ..parameters import Choice, TowParameters, integral, tow_of, tow_requirements, traced_tow
+from . import ports, tow_system
 from .linear_tow import (
     EXTRA,
     Constants,
-    TowUnit,
     chosen_setup,
     flow_margin,
     halved,
@@ -46,10 +47,10 @@ from .linear_tow import (
     setup_of,
     setup_requirements,
     speed_margin,
-    untunable,
+    tuning_refusal,
 )
+from .ports import second_derivative
 
-__all__ = ["EXTRA", "Constants", "Modes", "setup_requirements", "untunable"]
 OFFSET = slice(2, 4)
 """Where the offset is among the inputs v."""
 FEWEST = 2
@@ -57,8 +58,8 @@ FEWEST = 2
 
 
 @dataclass(frozen=True)
-class Parameters(LinearParameters):
-    """SI."""
+class Parameters(Choice, TowParameters):
+    """The tow first, then how it is modelled."""
 
 
 class Size(NamedTuple):
@@ -67,65 +68,80 @@ class Size(NamedTuple):
     segments: float = 20.0
 
 
-STRUCTURE = Size._fields
-
-
 class Own(NamedTuple):
-    """Displacement of the body relative to the towpoint, m, and second derivatives of the inputs over the last step."""
+    """Displacement of the body relative to the towpoint, and second derivatives of the inputs over the last step."""
 
     offset_surge: Value
     offset_heave: Value
-    top_velocity_surge_d2: Value
-    top_velocity_heave_d2: Value
-    body_velocity_surge_d2: Value
-    body_velocity_heave_d2: Value
+    top_velocity_surge_d2: Annotated[Value, second_derivative("top_velocity_surge", "m/s")]
+    top_velocity_heave_d2: Annotated[Value, second_derivative("top_velocity_heave", "m/s")]
+    body_velocity_surge_d2: Annotated[Value, second_derivative("body_velocity_surge", "m/s")]
+    body_velocity_heave_d2: Annotated[Value, second_derivative("body_velocity_heave", "m/s")]
 
 
 class Inputs(NamedTuple):
-    """Velocities in the towing frame, m/s, forward and up."""
+    """Velocities of both ends."""
 
-    top_velocity_surge: float
-    top_velocity_heave: float
-    body_velocity_surge: float
-    body_velocity_heave: float
+    top_velocity_surge: Annotated[
+        Value, input_variable("m/s", "Velocity of the top end in the towing frame, forward", display="ft/s")
+    ]
+    top_velocity_heave: Annotated[
+        Value, input_variable("m/s", "Velocity of the top end in the towing frame, up", display="ft/s")
+    ]
+    body_velocity_surge: Annotated[
+        Value, input_variable("m/s", "Velocity of the body end in the towing frame, forward", display="ft/s")
+    ]
+    body_velocity_heave: Annotated[
+        Value, input_variable("m/s", "Velocity of the body end in the towing frame, up", display="ft/s")
+    ]
 
 
 class Outputs(NamedTuple):
-    """Reactions: excess of the pull on the towpoint, aft and down; forces: change of the pull on the body, forward and
-    up; N."""
+    """Forces on both ends, the offset between them, margins."""
 
-    reaction_surge: float
-    reaction_heave: float
-    body_force_surge: float
-    body_force_heave: float
-    tension_top: float
-    tension_body: float
-    offset_surge: float
-    offset_heave: float
-    margin_small_perturbation: float
-    margin_slack: float
-    margin_flow: float
-    margin_quadrant: float
-    margin_resolution: float
-    reaction_surge_rate: float
-    reaction_heave_rate: float
-    body_force_surge_rate: float
-    body_force_heave_rate: float
-    tension_top_rate: float
+    reaction_surge: Annotated[Value, ports.REACTION_SURGE]
+    reaction_heave: Annotated[Value, ports.REACTION_HEAVE]
+    body_force_surge: Annotated[
+        Value, output("N", "Change of the pull on the body, forward", display="lbf", also=EVERY_INPUT)
+    ]
+    body_force_heave: Annotated[
+        Value, output("N", "Change of the pull on the body, up", display="lbf", also=EVERY_INPUT)
+    ]
+    tension_top: Annotated[Value, ports.TENSION_TOP]
+    tension_body: Annotated[Value, ports.TENSION_BODY]
+    offset_surge: Annotated[
+        Value, output("m", "Displacement of the body relative to the towpoint, forward", display="ft")
+    ]
+    offset_heave: Annotated[
+        Value, output("m", "Displacement of the body relative to the towpoint, up", display="ft")
+    ]
+    margin_small_perturbation: ports.MarginSmallPerturbation
+    margin_slack: ports.MarginSlack
+    margin_flow: ports.MarginFlow
+    margin_quadrant: ports.MarginQuadrant
+    margin_resolution: ports.MarginResolution
+    reaction_surge_rate: Rate
+    reaction_heave_rate: Rate
+    body_force_surge_rate: Rate
+    body_force_heave_rate: Rate
+    tension_top_rate: Rate
 
 
 class Calculated(NamedTuple):
     """What was chosen and found at the start."""
 
-    port_stiffness: float
-    steady_tension_top: float
-    steady_tension_body: float
-    states: float
-    segments_used: float
-    model_error: float
+    port_stiffness: Annotated[
+        Value,
+        calculated_parameter("N/m", "Largest force on the body at once per displacement of it", tunable=True),
+    ]
+    steady_tension_top: ports.SteadyTensionTop
+    steady_tension_body: ports.SteadyTensionBody
+    states: ports.States
+    segments_used: ports.SegmentsUsed
+    model_error: ports.ModelError
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """What the parameters must fulfil."""
     elastic = (
         p.axial_stiffness,
@@ -142,7 +158,7 @@ def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
     return _setup(ends_together(model, ops), ops)
 
 
-def _setup(model: LinearModel, ops: MatrixOps) -> Setup:
+def _setup(model: StateSpace, ops: MatrixOps) -> Setup:
     return setup_of(model, model.d[BODY_VELOCITY, OFFSET], 4.0, ops)
 
 
@@ -156,49 +172,69 @@ def study(size: Size) -> Study:
     return Study(Reduction(True, "measured_inputs", "states", "model_error", direct), comparisons)
 
 
-def drive(
-    own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
-) -> tuple[Sequence[Value], ...]:
+def drive(own: Own, cubics: Inputs, p: Parameters, constants: Constants, ops: Ops) -> tuple[Sequence[Value], ...]:
     """Velocity of the towpoint, offset, of degree 4, and its rate."""
-    rates = [[b - a for a, b in zip(top, body)] for top, body in zip(cubics[:2], cubics[2:])]
-    offsets = [[start, *(a / k for k, a in enumerate(rate, 1))] for start, rate in zip(own, rates)]
-    return *([*a, 0.0] for a in cubics[:2]), *offsets, *([*a, 0.0] for a in rates)
+    top_surge, top_heave, body_surge, body_heave = cubics
+    surge = [b - a for a, b in zip(top_surge, body_surge)]
+    heave = [b - a for a, b in zip(top_heave, body_heave)]
+    offsets = [
+        [start, *(a / k for k, a in enumerate(rate, 1))]
+        for start, rate in ((own.offset_surge, surge), (own.offset_heave, heave))
+    ]
+    return [*top_surge, 0.0], [*top_heave, 0.0], *offsets, [*surge, 0.0], [*heave, 0.0]
 
 
 def own_after(
-    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+    h: Value, own: Own, cubics: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[Value, ...]:
     """`Own` after a step of ``h``, s."""
-    moved = [start + integral(h, body) - integral(h, top) for start, top, body in zip(own, cubics[:2], cubics[2:])]
-    return (*moved, *(2.0 * a[2] + 6.0 * a[3] * h for a in cubics))
+    surge = own.offset_surge + integral(h, cubics.body_velocity_surge) - integral(h, cubics.top_velocity_surge)
+    heave = own.offset_heave + integral(h, cubics.body_velocity_heave) - integral(h, cubics.top_velocity_heave)
+    return (surge, heave, *(2.0 * c2 + 6.0 * c3 * h for _, _, c2, c3 in cubics))
+
+
+def _relative(w: Inputs) -> tuple[Value, Value]:
+    """Velocity of the body relative to the towpoint, or a derivative of it."""
+    return w.body_velocity_surge - w.top_velocity_surge, w.body_velocity_heave - w.top_velocity_heave
 
 
 def own_rates(
-    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+    own: Own, u: Inputs, du: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[Value, ...]:
     """Rates of `Own`; nothing tells those of the second derivatives."""
-    return u[2] - u[0], u[3] - u[1], 0.0, 0.0, 0.0, 0.0
+    return (*_relative(u), 0.0, 0.0, 0.0, 0.0)
 
 
 def core(
-    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+    own: Own, u: Inputs, du: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[Sequence[Value], Sequence[Value], Sequence[Value]]:
     """Velocity of the towpoint, offset and its rate, and their derivatives."""
-    rate, second, third = ((w[2] - w[0], w[3] - w[1]) for w in (u, du, own[2:]))
-    return (u[0], u[1], own[0], own[1], *rate), (du[0], du[1], *rate, *second), (own[2], own[3], *second, *third)
+    _, _, *remembered_inputs = own
+    ddu = Inputs(*remembered_inputs)
+    rate, second, third = _relative(u), _relative(du), _relative(ddu)
+    return (
+        (u.top_velocity_surge, u.top_velocity_heave, own.offset_surge, own.offset_heave, *rate),
+        (du.top_velocity_surge, du.top_velocity_heave, *rate, *second),
+        (own.top_velocity_surge_d2, own.top_velocity_heave_d2, *second, *third),
+    )
 
 
 def observe(
-    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
-    du: Sequence[Value], growth: Value, p: Parameters, constants: Constants, ops: Ops,
+    t: Value, own: Own, y: Sequence[Value], y_rate: Sequence[Value], u: Inputs, du: Inputs, growth: Value,
+    p: Parameters, constants: Constants, ops: Ops,
 ) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
     """All observables, and the tensions of the segments, N."""
     slack, quadrant, tensions = profile(y, constants, ops)
-    speeds = [speed_margin(end, p.tow_speed, p.perturbation_limit, ops) for end in (u[:2], u[2:])]
+    row, rate = Rows._make(y[:PROFILE]), Rows._make(y_rate[:PROFILE])
+    surge, heave = u.top_velocity_surge, u.top_velocity_heave
+    top = speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops)
+    body = speed_margin(u.body_velocity_surge, u.body_velocity_heave, p.tow_speed, p.perturbation_limit, ops)
     return Outputs(
-        -y[0], -y[1], y[2], y[3], constants.tension_top + y[7], constants.tension_body + y[6], own[0], own[1],
-        ops.minimum(speeds[0], speeds[1]), slack, flow_margin(y, u, p.tow_speed, constants, ops), quadrant,
-        1.0 - constants.model_error / p.tolerance, -y_rate[0], -y_rate[1], y_rate[2], y_rate[3], y_rate[7],
+        -row.force_surge, -row.force_heave, row.body_surge, row.body_heave, constants.tension_top + row.tension_top,
+        constants.tension_body + row.tension_body, own.offset_surge, own.offset_heave, ops.minimum(top, body), slack,
+        flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
+        1.0 - constants.model_error / p.tolerance, -rate.force_surge, -rate.force_heave, rate.body_surge,
+        rate.body_heave, rate.tension_top,
     ), tensions  # fmt: skip
 
 
@@ -213,42 +249,37 @@ def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
 
 
 @remembered
-def prepare(p: Parameters) -> TowUnit:
-    """The unit with the model that the parameters ask for. Raises `CableError`."""
-    chosen = choose(tow_of(p), True, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, with_body=False)
-    made = chosen_setup(_setup(chosen.model, numbers()), chosen)
-    return TowUnit(made, p, drive, own_after, core, observe, order=4, rates=PROFILE, chosen=chosen)
+def chosen(p: Parameters) -> Chosen:
+    """The state space that the parameters ask for, with its errors. Raises `CableError`."""
+    return choose(tow_of(p), True, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, with_body=False)
 
 
-def problem(p: Parameters) -> str:
+def size(p: Parameters) -> Size:
+    """As many segments as the parameters say or, where they leave it open, as were chosen."""
+    return Size(p.segments if p.segments else float(chosen(p).nodes))
+
+
+def prepare(p: Parameters) -> Setup:
+    """The chosen model, of numbers. Raises `CableError`."""
+    made = chosen(p)
+    return chosen_setup(_setup(made.model, numbers()), made)
+
+
+def refusal(p: Parameters) -> str:
     """Why there is no such tow; empty if there is."""
     try:
-        prepare(p)
+        chosen(p)
     except CableError as error:
         return str(error)
     return ""
 
 
-def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
-    """The steady tow."""
-    return (0.0,) * (prepare(p).states + len(Own._fields)), Modes()
-
-
-def advance(
-    t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
-) -> tuple[float, ...]:
-    """Exact step of length ``h``, s; the offset is a polynomial of degree 4 over it."""
-    return prepare(p).advance(h, x, coefficients)
-
-
-def outputs(
-    t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
-) -> Outputs:
-    """All observables."""
-    found: Outputs = prepare(p).outputs(t, x, u, du)[0]
-    return found
-
-
-def calculated(p: Parameters, ops: Ops) -> Calculated:
-    """What was chosen and found at the start."""
-    return describe(p, prepare(p).setup.constants, ops)
+LINEAR = LinearModel(
+    "tow_cable",
+    "Elastic tow cable between two units, small perturbations from the steady tow",
+    Parameters, Inputs, Outputs, Calculated, Size, Own,
+    setup=setup, prepare=prepare, drive=drive, core=core, observe=observe, describe=describe, own_after=own_after,
+    own_rates=own_rates, size=size, study=study, requirements=requirements, setup_requirements=setup_requirements,
+    refusal=refusal, tuning_refusal=tuning_refusal, order=4, rates=PROFILE, extra=EXTRA,
+)  # fmt: skip
+TOW_CABLE = LINEAR.as_model()

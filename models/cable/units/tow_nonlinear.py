@@ -14,57 +14,69 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...numeric.ops import Ops
-from ...protocol.linear_model import remembered
-from ..case import CableError, Condition
+from ...numeric.arrays import Array
+from ...numeric.ops import Ops, Value
+from ...protocol.model import Model, Requirement, remembered
+from ...protocol.variables import Rate, calculated_parameter, margin, output, parameter
+from ..case import CableError
 from ..lumped.lumped import equilibrium, steady_towpoint_force
 from ..lumped.nonlinear import NonlinearCable
-from ..parameters import Modes, TowParameters, TowpointInputs, integral, tow_of, tow_requirements
-from ..steady.steady import Array
+from ..parameters import TowParameters, integral, tow_of, tow_requirements
+from . import ports
 
-Inputs = TowpointInputs
+Inputs = ports.TowpointInputs
+TOWPOINT = ("velocity_surge", "velocity_heave")
+"""What acts on the forces at once, by drag and inertia of the last half segment."""
 
 
 @dataclass(frozen=True)
 class Parameters(TowParameters):
-    """SI."""
+    """The tow, and how it is divided in space and time."""
 
-    segments: float
-    internal_step: float
+    segments: Annotated[Value, parameter("1", 20.0, "Number of segments", min=1.0, max=400.0)]
+    internal_step: Annotated[Value, parameter("s", 0.05, "Largest implicit step", min=1e-6)]
+
+
+class Modes(NamedTuple):
+    """No branches."""
 
 
 class Outputs(NamedTuple):
     """As of ``tow_system.py``; ``tension_least`` over the segments."""
 
-    reaction_surge: float
-    reaction_heave: float
-    tension_top: float
-    tension_body: float
-    tension_least: float
-    body_surge: float
-    body_heave: float
-    body_velocity_surge: float
-    body_velocity_heave: float
-    margin_slack: float
-    margin_quadrant: float
-    body_surge_rate: float
-    body_heave_rate: float
+    reaction_surge: Annotated[Value, replace(ports.REACTION_SURGE, also=TOWPOINT)]
+    reaction_heave: Annotated[Value, replace(ports.REACTION_HEAVE, also=TOWPOINT)]
+    tension_top: Annotated[Value, replace(ports.TENSION_TOP, also=TOWPOINT)]
+    tension_body: Annotated[Value, replace(ports.TENSION_BODY, also=TOWPOINT)]
+    tension_least: Annotated[Value, output("N", "Least tension of the segments", display="lbf")]
+    body_surge: ports.BodySurge
+    body_heave: ports.BodyHeave
+    body_velocity_surge: Annotated[Value, replace(ports.BODY_VELOCITY_SURGE, also=())]
+    body_velocity_heave: Annotated[Value, replace(ports.BODY_VELOCITY_HEAVE, also=())]
+    margin_slack: Annotated[Value, margin("least tension over steady tension of a segment, at most 1")]
+    margin_quadrant: Annotated[
+        Value, margin("least angle to the stream's direction over its steady value, at most 1")
+    ]
+    body_surge_rate: Rate
+    body_heave_rate: Rate
 
 
 class Calculated(NamedTuple):
     """Of the steady tow."""
 
-    port_mass: float
-    steady_tension_top: float
-    steady_tension_body: float
+    port_mass: Annotated[
+        Value, calculated_parameter("kg", "Mass of half the last segment, in heave", tunable=True)
+    ]
+    steady_tension_top: ports.SteadyTensionTop
+    steady_tension_body: ports.SteadyTensionBody
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """What the parameters must fulfil."""
     return (*tow_requirements(p, ops), (p.internal_step, "internal_step: expected a positive number of seconds"))
 
@@ -86,7 +98,7 @@ def prepare(p: Parameters) -> Prepared:
     )
 
 
-def problem(p: Parameters) -> str:
+def refusal(p: Parameters) -> str:
     """Why there is no such tow; empty if there is."""
     try:
         prepare(p)
@@ -105,13 +117,14 @@ def _state(x: Sequence[float]) -> Array:
 
 
 def advance(
-    t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
+    t: float, h: float, x: Sequence[float], m: Modes, cubics: Inputs, p: Parameters, ops: Ops
 ) -> tuple[float, ...]:
     """Step of length ``h``, s. Raises `CableError` where an implicit step fails."""
     cable = prepare(p).cable
-    c = np.array(coefficients)
     # drag acts aft
-    c[2] *= -1.0
+    c = np.array([
+        cubics.velocity_surge, cubics.velocity_heave, [-a for a in cubics.body_drag_change], cubics.body_lift_change,
+    ])  # fmt: skip
 
     def motion(s: float) -> Array:
         u: Array = c @ np.array([1.0, s, s * s, s**3])
@@ -121,17 +134,18 @@ def advance(
     state = _state(x)
     for k in range(count):
         state = cable.step(k * h / count, h / count, state, motion)
-    moved = [s + integral(h, a) for s, a in zip(x[-2:], coefficients)]
+    moved = [s + integral(h, a) for s, a in zip(x[-2:], cubics)]
     return (*state.ravel().tolist(), *moved)
 
 
 def outputs(
-    t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
+    t: float, x: Sequence[float], m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops
 ) -> Outputs:
     """All observables."""
     cable, steady, start = prepare(p)
     state = _state(x)
-    force = cable.towpoint_force(state, np.array([u[0], u[1], -u[2], u[3]]), np.array([du[0], du[1]]))
+    inputs = np.array([u.velocity_surge, u.velocity_heave, -u.body_drag_change, u.body_lift_change])
+    force = cable.towpoint_force(state, inputs, np.array([du.velocity_surge, du.velocity_heave]))
     tensions = cable.tensions(state)
     room = float(cable.stream_angles(state).min())
     velocity = state[1, :, 0] - np.array([cable.chain.tow.speed, 0.0])
@@ -150,3 +164,13 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     cable, steady, _ = prepare(p)
     mass = cable.mass(cable.start()[0])[-1]
     return Calculated(float(mass[1, 1]), float(np.linalg.norm(steady)), cable.chain.tow.end_tension)
+
+
+TOW_CABLE_NONLINEAR = Model(
+    "tow_cable_nonlinear",
+    "Tow cable and towed body, elastic lumped masses, large motions and slack",
+    Parameters, None, Modes, Inputs, Outputs, Calculated,
+    initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
+    refusal=refusal,
+    floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
+)  # fmt: skip

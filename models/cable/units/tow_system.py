@@ -20,22 +20,24 @@ Source: small-perturbation report on towed cables, in the time domain by ``cable
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Annotated, NamedTuple
 
 from ...numeric.matrix_ops import MatrixOps, numbers
 from ...numeric.ops import Ops, Value
-from ...protocol.linear_model import remembered
+from ...protocol.linear_model import LinearModel
+from ...protocol.model import Requirement, remembered
 from ...protocol.state_space import Comparison, Reduction, Setup, Study
-from ..case import CableError, Condition, Tow
-from ..lumped.fidelity import choose
-from ..lumped.linear import PROFILE, LinearModel, elastic_model, rigid_model
+from ...protocol.variables import EVERY_INPUT, Rate, calculated_parameter, margin, parameter, state
+from ..case import CableError, Tow
+from ..lumped.fidelity import Chosen, choose
+from ..lumped.linear import PROFILE, Rows, StateSpace, elastic_model, rigid_model
 from ..lumped.lumped import hang, matrices
-from ..parameters import LinearParameters, Modes, TowpointInputs, integral, tow_of, tow_requirements, traced_tow
+from ..parameters import Choice, TowParameters, integral, tow_of, tow_requirements, traced_tow
+from . import ports
 from .linear_tow import (
     EXTRA,
     Constants,
-    TowUnit,
     chosen_setup,
     flow_margin,
     halved,
@@ -43,18 +45,25 @@ from .linear_tow import (
     setup_of,
     setup_requirements,
     speed_margin,
-    untunable,
+    tuning_refusal,
 )
+from .ports import second_derivative
 
-__all__ = ["EXTRA", "Constants", "Modes", "setup_requirements", "untunable"]
-Inputs = TowpointInputs
+Inputs = ports.TowpointInputs
 
 
 @dataclass(frozen=True)
-class Parameters(LinearParameters):
-    """SI. ``extensible`` 1: with EA."""
+class Stretch(TowParameters):
+    """Whether EA counts."""
 
-    extensible: float
+    extensible: Annotated[
+        Value, parameter("1", 0.0, "1: the cable stretches by axial_stiffness", min=0.0, max=1.0)
+    ]
+
+
+@dataclass(frozen=True)
+class Parameters(Choice, Stretch):
+    """The tow first, then how it is modelled."""
 
 
 class Size(NamedTuple):
@@ -64,64 +73,79 @@ class Size(NamedTuple):
     extensible: float = 0.0
 
 
-STRUCTURE = Size._fields
-
-
 class Own(NamedTuple):
-    """Displacement of the towpoint, m, and second derivatives of the inputs over the last step."""
+    """Integrals of the velocity, and second derivatives of the inputs over the last step."""
 
-    towpoint_surge: Value
-    towpoint_heave: Value
-    velocity_surge_d2: Value
-    velocity_heave_d2: Value
-    body_drag_change_d2: Value
-    body_lift_change_d2: Value
+    towpoint_surge: Annotated[
+        Value, state("m", "Displacement of the towpoint in the towing frame, forward", display="ft")
+    ]
+    towpoint_heave: Annotated[Value, state("m", "Displacement of the towpoint, up", display="ft")]
+    velocity_surge_d2: Annotated[Value, second_derivative("velocity_surge", "m/s")]
+    velocity_heave_d2: Annotated[Value, second_derivative("velocity_heave", "m/s")]
+    body_drag_change_d2: Annotated[Value, second_derivative("body_drag_change", "N")]
+    body_lift_change_d2: Annotated[Value, second_derivative("body_lift_change", "N")]
 
 
 class Outputs(NamedTuple):
-    """Reactions: excess of the cable's pull over its steady value, aft and down on the towpoint, N."""
+    """Forces on the towpoint, motion of the body, margins."""
 
-    reaction_surge: float
-    reaction_heave: float
-    tension_top: float
-    tension_body: float
-    body_surge: float
-    body_heave: float
-    body_velocity_surge: float
-    body_velocity_heave: float
-    margin_small_perturbation: float
-    margin_slack: float
-    margin_flow: float
-    margin_quadrant: float
-    margin_resolution: float
-    margin_inextensible: float
-    reaction_surge_rate: float
-    reaction_heave_rate: float
-    tension_top_rate: float
-    body_surge_rate: float
-    body_heave_rate: float
-    body_velocity_surge_rate: float
-    body_velocity_heave_rate: float
+    reaction_surge: Annotated[Value, ports.REACTION_SURGE]
+    reaction_heave: Annotated[Value, ports.REACTION_HEAVE]
+    tension_top: Annotated[Value, ports.TENSION_TOP]
+    tension_body: Annotated[Value, ports.TENSION_BODY]
+    # a reduced model moves the body at once by what the modes left out would have answered
+    body_surge: Annotated[Value, replace(ports.BODY_SURGE, also=EVERY_INPUT)]
+    body_heave: Annotated[Value, replace(ports.BODY_HEAVE, also=EVERY_INPUT)]
+    body_velocity_surge: Annotated[Value, ports.BODY_VELOCITY_SURGE]
+    body_velocity_heave: Annotated[Value, ports.BODY_VELOCITY_HEAVE]
+    margin_small_perturbation: ports.MarginSmallPerturbation
+    margin_slack: ports.MarginSlack
+    margin_flow: ports.MarginFlow
+    margin_quadrant: ports.MarginQuadrant
+    margin_resolution: ports.MarginResolution
+    margin_inextensible: Annotated[Value, margin("1 - inextensible_error / tolerance")]
+    reaction_surge_rate: Rate
+    reaction_heave_rate: Rate
+    tension_top_rate: Rate
+    body_surge_rate: Rate
+    body_heave_rate: Rate
+    body_velocity_surge_rate: Rate
+    body_velocity_heave_rate: Rate
 
 
 class Calculated(NamedTuple):
     """What was chosen and found at the start."""
 
-    port_mass: float
-    apparent_mass_surge: float
-    apparent_mass_coupling: float
-    apparent_mass_heave: float
-    steady_tension_top: float
-    steady_tension_body: float
-    steady_body_surge: float
-    steady_body_heave: float
-    states: float
-    segments_used: float
-    model_error: float
-    inextensible_error: float
+    port_mass: Annotated[
+        Value, calculated_parameter("kg", "Apparent mass in heave that the towpoint feels at once", tunable=True)
+    ]
+    apparent_mass_surge: Annotated[Value, calculated_parameter("kg", "Apparent mass in surge", tunable=True)]
+    apparent_mass_coupling: Annotated[
+        Value, calculated_parameter("kg", "Apparent mass between surge and heave", tunable=True)
+    ]
+    apparent_mass_heave: Annotated[Value, calculated_parameter("kg", "Apparent mass in heave", tunable=True)]
+    steady_tension_top: ports.SteadyTensionTop
+    steady_tension_body: ports.SteadyTensionBody
+    steady_body_surge: Annotated[
+        Value,
+        calculated_parameter("m", "Steady position of the body from the towpoint, forward", display="ft", tunable=True),
+    ]
+    steady_body_heave: Annotated[
+        Value,
+        calculated_parameter("m", "Steady position of the body from the towpoint, up", display="ft", tunable=True),
+    ]
+    states: ports.States
+    segments_used: ports.SegmentsUsed
+    model_error: ports.ModelError
+    inextensible_error: Annotated[
+        Value,
+        calculated_parameter(
+            "1", "Relative error of leaving axial_stiffness out; 0: none or not known", tunable=True
+        ),
+    ]
 
 
-def requirements(p: Parameters, ops: Ops) -> tuple[Condition, ...]:
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """What the parameters must fulfil."""
     elastic = (
         ops.where(p.extensible > 0.5, p.axial_stiffness, 1.0),
@@ -134,12 +158,12 @@ def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
     """The full model of ``size``."""
     tow = traced_tow(p, ops.scalars, extensible=size.extensible > 0.5)
     elastic = size.extensible > 0.5
-    found = matrices(hang(tow, int(size.segments), ops), elastic, ops)
-    model = elastic_model(found, ops) if elastic else rigid_model(found, ops)
+    hanging = matrices(hang(tow, int(size.segments), ops), elastic, ops)
+    model = elastic_model(hanging, ops) if elastic else rigid_model(hanging, ops)
     return _setup(model, model, tow, ops)
 
 
-def _setup(model: LinearModel, full: LinearModel, tow: Tow, ops: MatrixOps) -> Setup:
+def _setup(model: StateSpace, full: StateSpace, tow: Tow, ops: MatrixOps) -> Setup:
     """``full``: ``model`` before reduction."""
     # in Quadrant I the towpoint drives the tow, in II forces on the body do too
     return setup_of(model, full.apparent_mass, 3.0 - tow.sign, ops)
@@ -157,53 +181,56 @@ def study(size: Size) -> Study:
     )
 
 
-def _signed(u: Sequence[Value]) -> tuple[Value, ...]:
-    # drag acts aft: the model's force is forward
-    return u[0], u[1], -u[2], u[3]
-
-
-def drive(
-    own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
-) -> tuple[Sequence[Value], ...]:
+def drive(own: Own, cubics: Inputs, p: Parameters, constants: Constants, ops: Ops) -> tuple[Sequence[Value], ...]:
     """Velocities and forces."""
     surge, heave, drag, lift = cubics
     return surge, heave, [-a for a in drag], lift
 
 
 def own_after(
-    h: Value, own: Sequence[Value], cubics: Sequence[Sequence[Value]], p: Parameters, constants: Constants, ops: Ops
+    h: Value, own: Own, cubics: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[Value, ...]:
     """`Own` after a step of ``h``, s."""
-    moved = (own[0] + integral(h, cubics[0]), own[1] + integral(h, cubics[1]))
-    return (*moved, *(2.0 * a[2] + 6.0 * a[3] * h for a in cubics))
+    surge = own.towpoint_surge + integral(h, cubics.velocity_surge)
+    heave = own.towpoint_heave + integral(h, cubics.velocity_heave)
+    return (surge, heave, *(2.0 * c2 + 6.0 * c3 * h for _, _, c2, c3 in cubics))
 
 
 def own_rates(
-    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+    own: Own, u: Inputs, du: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[Value, ...]:
     """Rates of `Own`; nothing tells those of the second derivatives."""
-    return u[0], u[1], 0.0, 0.0, 0.0, 0.0
+    return u.velocity_surge, u.velocity_heave, 0.0, 0.0, 0.0, 0.0
 
 
 def core(
-    own: Sequence[Value], u: Sequence[Value], du: Sequence[Value], p: Parameters, constants: Constants, ops: Ops
+    own: Own, u: Inputs, du: Inputs, p: Parameters, constants: Constants, ops: Ops
 ) -> tuple[Sequence[Value], Sequence[Value], Sequence[Value]]:
-    """Velocities and forces and their derivatives."""
-    return _signed(u), _signed(du), _signed(own[2:])
+    """Velocities and forces and their derivatives; drag acts aft, the model's force is forward."""
+    return (
+        (u.velocity_surge, u.velocity_heave, -u.body_drag_change, u.body_lift_change),
+        (du.velocity_surge, du.velocity_heave, -du.body_drag_change, du.body_lift_change),
+        (own.velocity_surge_d2, own.velocity_heave_d2, -own.body_drag_change_d2, own.body_lift_change_d2),
+    )
 
 
 def observe(
-    t: Value, own: Sequence[Value], y: Sequence[Value], y_rate: Sequence[Value], u: Sequence[Value],
-    du: Sequence[Value], growth: Value, p: Parameters, constants: Constants, ops: Ops,
+    t: Value, own: Own, y: Sequence[Value], y_rate: Sequence[Value], u: Inputs, du: Inputs, growth: Value,
+    p: Parameters, constants: Constants, ops: Ops,
 ) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
     """All observables, and the tensions of the segments, N."""
     slack, quadrant, tensions = profile(y, constants, ops)
+    row, rate = Rows._make(y[:PROFILE]), Rows._make(y_rate[:PROFILE])
+    surge, heave = u.velocity_surge, u.velocity_heave
     return Outputs(
-        -y[0], -y[1], constants.tension_top + y[7], constants.tension_body + y[6], own[0] + y[4], own[1] + y[5], y[2],
-        y[3], speed_margin(u, p.tow_speed, p.perturbation_limit, ops), slack,
-        flow_margin(y, u, p.tow_speed, constants, ops), quadrant,
+        -row.force_surge, -row.force_heave, constants.tension_top + row.tension_top,
+        constants.tension_body + row.tension_body, own.towpoint_surge + row.offset_surge,
+        own.towpoint_heave + row.offset_heave, row.body_surge, row.body_heave,
+        speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops), slack,
+        flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
         1.0 - constants.model_error / p.tolerance, 1.0 - constants.inextensible_error / p.tolerance,
-        -y_rate[0], -y_rate[1], y_rate[7], y_rate[4] + u[0], y_rate[5] + u[1], y_rate[2], y_rate[3],
+        -rate.force_surge, -rate.force_heave, rate.tension_top, rate.offset_surge + surge, rate.offset_heave + heave,
+        rate.body_surge, rate.body_heave,
     ), tensions  # fmt: skip
 
 
@@ -218,43 +245,37 @@ def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
 
 
 @remembered
-def prepare(p: Parameters) -> TowUnit:
-    """The unit with the model that the parameters ask for. Raises `CableError`."""
-    tow = tow_of(p)
-    chosen = choose(tow, p.extensible > 0.5, p.band, p.tolerance, int(p.segments), p.reduced > 0.5)
-    made = chosen_setup(_setup(chosen.model, chosen.full, tow, numbers()), chosen)
-    return TowUnit(made, p, drive, own_after, core, observe, rates=PROFILE, chosen=chosen)
+def chosen(p: Parameters) -> Chosen:
+    """The state space that the parameters ask for, with its errors. Raises `CableError`."""
+    return choose(tow_of(p), p.extensible > 0.5, p.band, p.tolerance, int(p.segments), p.reduced > 0.5)
 
 
-def problem(p: Parameters) -> str:
+def size(p: Parameters) -> Size:
+    """As many segments as the parameters say or, where they leave it open, as were chosen."""
+    return Size(p.segments if p.segments else float(chosen(p).nodes), p.extensible)
+
+
+def prepare(p: Parameters) -> Setup:
+    """The chosen model, of numbers. Raises `CableError`."""
+    made = chosen(p)
+    return chosen_setup(_setup(made.model, made.full, made.full.chain.tow, numbers()), made)
+
+
+def refusal(p: Parameters) -> str:
     """Why there is no such tow; empty if there is."""
     try:
-        prepare(p)
+        chosen(p)
     except CableError as error:
         return str(error)
     return ""
 
 
-def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
-    """The steady tow."""
-    return (0.0,) * (prepare(p).states + len(Own._fields)), Modes()
-
-
-def advance(
-    t: float, h: float, x: Sequence[float], m: Modes, coefficients: Sequence[Sequence[float]], p: Parameters, ops: Ops
-) -> tuple[float, ...]:
-    """Exact step of length ``h``, s."""
-    return prepare(p).advance(h, x, coefficients)
-
-
-def outputs(
-    t: float, x: Sequence[float], m: Modes, u: Sequence[float], du: Sequence[float], p: Parameters, ops: Ops
-) -> Outputs:
-    """All observables."""
-    found: Outputs = prepare(p).outputs(t, x, u, du)[0]
-    return found
-
-
-def calculated(p: Parameters, ops: Ops) -> Calculated:
-    """What was chosen and found at the start."""
-    return describe(p, prepare(p).setup.constants, ops)
+LINEAR = LinearModel(
+    "tow_system",
+    "Tow cable and towed body, small perturbations from the steady tow",
+    Parameters, Inputs, Outputs, Calculated, Size, Own,
+    setup=setup, prepare=prepare, drive=drive, core=core, observe=observe, describe=describe, own_after=own_after,
+    own_rates=own_rates, size=size, study=study, requirements=requirements, setup_requirements=setup_requirements,
+    refusal=refusal, tuning_refusal=tuning_refusal, rates=PROFILE, extra=EXTRA,
+)  # fmt: skip
+TOW_SYSTEM = LINEAR.as_model()
