@@ -23,12 +23,14 @@ test-all: $(VENV)/installed-test dist/built ## every test
 faults: $(VENV)/installed-test             ## inject every known fault; the table quoted in docs/faults.md
 	$(BIN)/python -m tests.faults.table
 
-bench: $(VENV)/installed-bench             ## all benchmarks in one run -> docs/benchmarks.md, .json, .svg
-	$(BIN)/python benchmarks/page.py
+bench: $(VENV)/installed-bench             ## all benchmarks in one run -> docs/benchmarks.json and its page
+	$(BIN)/python benchmarks/run_all.py
 
-docs: $(VENV)/installed-docs               ## the pages made from units and scenes, and the site of all pages in site/
+docs: $(VENV)/installed-docs               ## the pages made from units, scenes, benchmarks and docstrings -> site/
 	$(BIN)/python docs/make_units.py
 	$(BIN)/python docs/make_scenes.py
+	$(BIN)/python benchmarks/page.py
+	$(BIN)/python docs/make_api.py
 	$(BIN)/mkdocs build --strict --quiet
 
 wheel: $(VENV)/installed                   ## a wheel with scenes and Python FMUs in dist/; staged, so that no FMU stays here

@@ -4,13 +4,13 @@
  *
  * Prints microseconds a step, the least mean of five batches, and the state at the end of NUMBER steps. */
 #define _POSIX_C_SOURCE 200809L
+#include "integrate.h"
+#include "unit.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include "integrate.h"
-#include "unit.h"
 
 enum { MOST = 256 };
 
@@ -62,8 +62,7 @@ static void run(int number, double *x)
             const double k[] = {sine, cosine, -w * w * sine / 2.0, -w * w * cosine / 6.0};
             memcpy(model.k + 4 * i, k, sizeof k);
         }
-        if (integrate(&system, &s, x, size, 1e-8, 1e-8, &first, work) != 0)
-            exit(1);
+        if (integrate(&system, &s, x, size, 1e-8, 1e-8, &first, work) != 0) exit(1);
     }
 }
 
@@ -80,10 +79,8 @@ int main(int count, char **words)
     double x[MOST] = {0.0}, value, w, least = INFINITY;
     char line[1024];
     unsigned reference;
-    if (number < 1 || towage_unit.variables > MOST || integrate_work(towage_unit.states, 0) > 64 * MOST)
-        return 1;
-    for (int i = 0; i < towage_unit.parameters; i++)
-        model.p[i] = towage_unit.variable[i].start;
+    if (number < 1 || towage_unit.variables > MOST || integrate_work(towage_unit.states, 0) > 64 * MOST) return 1;
+    for (int i = 0; i < towage_unit.parameters; i++) model.p[i] = towage_unit.variable[i].start;
     while (fgets(line, sizeof line, stdin)) {
         if (sscanf(line, "start %u %lf", &reference, &value) == 2 && reference < MOST)
             model.p[reference] = value;
@@ -100,8 +97,7 @@ int main(int count, char **words)
         least = fmin(least, (now() - start) / number);
     }
     printf("%.4f", 1e6 * least);
-    for (int i = 0; i < towage_unit.states; i++)
-        printf(" %.17g", x[i]);
+    for (int i = 0; i < towage_unit.states; i++) printf(" %.17g", x[i]);
     putchar('\n');
     return 0;
 }

@@ -83,6 +83,7 @@ def linear(model: StateSpace, step: float) -> tuple[float, float]:
     omega, a = FREQUENCY, AMPLITUDE
 
     def coefficients(t: float) -> np.ndarray:
+        """Heave velocity and its derivatives over their factorials, as the step takes its inputs."""
         s, c = math.sin(omega * t), math.cos(omega * t)
         table = np.zeros((4, 4))
         table[:, 1] = a * omega * c, -a * omega**2 * s, -a * omega**3 * c / 2.0, a * omega**4 * s / 6.0
@@ -96,9 +97,10 @@ def linear(model: StateSpace, step: float) -> tuple[float, float]:
             u = inputs[(k + 1) % per]
             rows.append(model.c[:2] @ x + model.d[:2] @ u[0] + model.e[:2] @ u[1])
     times = step * np.arange((periods - 1) * per + 1, periods * per + 1)
-    found = np.array([harmonic(times, column) for column in np.array(rows).T]) / a
+    force = np.array([harmonic(times, column) for column in np.array(rows).T]) / a
 
     def once() -> float:
+        """ms a simulated second, of four periods."""
         state, count = np.zeros(len(model.a)), 4 * per
         begin = time.process_time()
         for k in range(count):
@@ -107,7 +109,7 @@ def linear(model: StateSpace, step: float) -> tuple[float, float]:
             model.c[:2] @ state + model.d[:2] @ u[0] + model.e[:2] @ u[1]
         return 1e3 * (time.process_time() - begin) / (count * step)
 
-    return error(found), timed(once)
+    return error(force), timed(once)
 
 
 def nonlinear(segments: int, step: float) -> tuple[float, float]:
@@ -115,6 +117,7 @@ def nonlinear(segments: int, step: float) -> tuple[float, float]:
     cable, omega, a = nonlinear_cable(tow_case(), segments), FREQUENCY, AMPLITUDE
 
     def motion(t: float) -> np.ndarray:
+        """Velocity of the towpoint, and the forces on the body."""
         s = min(t / 10.0, 1.0)
         r, rate = s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 3.0 * s * s * (1.0 - s) ** 2
         return np.array([0.0, a * (r * omega * math.cos(omega * t) + rate * math.sin(omega * t)), 0.0, 0.0])
@@ -142,7 +145,7 @@ def coupled(fmu: str, own: str, step: float, stop: float) -> tuple[float, float]
         path.write_text(text)
         scene = Scene.load(path)
         # the least of three; equal parameters are set up once in a process
-        results = [Master(scene).run() for _ in range(3)]
+        results = [Master(scene, flavour="python").run() for _ in range(3)]
     result = min(results, key=lambda r: r.statistics["cpu_s"])
     if result.status != "done":
         raise SystemExit(result.message)

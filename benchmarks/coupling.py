@@ -9,30 +9,25 @@ from __future__ import annotations
 import math
 import sys
 import tempfile
-import time
-from collections.abc import Callable
-from ctypes import addressof, c_double
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from msgspec.structs import replace
+from step_cost import step_cost
 
-from towage.checks import step as checks
-from towage.fmus.declare.unit import load
-from towage.fmus.python.instance import Instance
+from towage.errors import RunError
 from towage.master.master import Master
 from towage.master.recorder import Recorder
-from towage.master.schemes import jacobi
 from towage.master.simulation import Settings, simulate
 from towage.master.system import System
 from towage.models.heave import orbits
+from towage.registry import SCHEMES
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.units.store import locator
 from towage.verify.cradle import dimensionless_system
 from towage.verify.monolithic import dimensionless_scene, solve
 
-SCHEMES = ("hermite", "extrapolate", "implicit", "jacobi", "gauss-seidel")
 STEPS = (16, 32, 64, 128)
 DRAG, RATIO = 0.3, 1.0
 
@@ -62,17 +57,15 @@ def work_precision() -> None:
         print(f"\n### {case}\n")
         print("| scheme | " + " | ".join(f"{n} steps" for n in STEPS) + " | order | cost |")
         print("|---|" + "---|" * (len(STEPS) + 2))
-        unit = None
         rows = []
-        for scheme in reversed(SCHEMES):
+        for scheme in reversed(SCHEMES.own):
             errors, costs = [], []
             for steps in STEPS:
-                master = Master(problem(case, scheme, steps))
+                master = Master(problem(case, scheme, steps), flavour="python")
                 result = master.run()
                 heave, _ = solve(master.resolved, result.time)
                 errors.append(float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave))))
                 costs.append(result.statistics["cpu_s"])
-            unit = unit or (costs[0] if scheme == "jacobi" else None)
             order = math.log2(errors[1] / errors[3]) / 2.0
             rows.append((scheme, errors, order, costs))
         base = next(costs[0] for scheme, _, _, costs in rows if scheme == "jacobi")
@@ -92,7 +85,7 @@ def error_control() -> None:
                 coupling=replace(scene.coupling, step=None, tolerance=tolerance),
                 record=replace(scene.record, interval=2.0 * math.pi),
             )
-            master = Master(scene)
+            master = Master(scene, flavour="python")
             result = master.run()
             heave, _ = solve(master.resolved, result.time)
             error = float(np.max(np.abs(result["cradle.heave"] - heave)) / np.max(np.abs(heave)))
@@ -115,152 +108,37 @@ def growth(scheme: str, ratio: float, product: float, steps: int = 400) -> float
         coupling={"scheme": scheme, "step": product / frequency, "events": False},
         ship={"heave_amplitude": 0.0, "mass": mass, "stiffness": stiffness},
     )
-    limits, checks.LIMITS = checks.LIMITS, {}  # what is measured here is what they rest on
-    try:
-        result = Master(scene).run()
-    finally:
-        checks.LIMITS = limits
-    if result.status == "failed":
-        return None
-    x, y = result["ship.heave"], result["cradle.heave"]
-    energy = result["cradle.velocity"] ** 2 + mass * result["ship.velocity"] ** 2 + stiffness * x**2 + (x - y) ** 2
+    size = product / frequency
+    settings = Settings(SCHEMES.get(scheme), size, None, size, False, size, scene.stop_time)
+    with tempfile.TemporaryDirectory() as directory:
+        system = System(described(scene, locator()), Path(directory))
+        system.start(0.0, scene.stop_time)
+        recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
+        try:
+            simulate(system, settings, recorder)  # no check before the run: what is measured is what its limits rest on
+        except RunError:
+            return None
+        finally:
+            system.close()
+    columns = recorder.columns()[1]
+    x, y = columns["ship.heave"], columns["cradle.heave"]
+    energy = columns["cradle.velocity"] ** 2 + mass * columns["ship.velocity"] ** 2 + stiffness * x**2 + (x - y) ** 2
     return float(np.log(energy[-100:].mean() / energy[:100].mean()) / (0.75 * steps * product))
 
 
 def stability() -> None:
-    """Where the loop begins to grow by itself: what the limits of ``towage/checks/step.py`` rest on."""
+    """Where the loop begins to grow by itself: what the limits of ``towage/master/schemes.py`` rest on."""
     products = (0.5, 0.8, 1.2, 1.6, 1.9, 2.4)
     print(
         "\n## Stability of the two-way loop\n\nGrowth of the energy per radian of the undamped loop (negative: damped).\n"
     )
     print("| scheme | mass ratio | " + " | ".join(f"H w = {p:g}" for p in products) + " |")
     print("|---|---|" + "---|" * len(products))
-    for scheme in ("hermite", "extrapolate", "implicit"):
+    for scheme in (name for name in SCHEMES.own if SCHEMES.get(name).limits):
         for ratio in (0.0578, 0.3, 1.0, 10.0, 100.0):
-            found = [growth(scheme, ratio, product) for product in products]
-            cells = " | ".join("fails" if g is None else f"{g:+.4f}" for g in found)
+            rates = [growth(scheme, ratio, product) for product in products]
+            cells = " | ".join("fails" if g is None else f"{g:+.4f}" for g in rates)
             print(f"| {scheme} | {ratio:g} | {cells} |")
-
-
-def _best(runs: list[Callable[[], float]], repeats: int = 15) -> list[float]:
-    """Smallest of several results of each, taken in turns: the least disturbed, on equal terms."""
-    return [min(column) for column in zip(*([run() for run in runs] for _ in range(repeats)))]
-
-
-def step_cost(steps: int = 500, size: float = 0.01) -> None:
-    """us per communication step of ship, spring_line and cradle with zero-order hold, as ratios."""
-    scene = dimensionless_scene(
-        DRAG, RATIO, 10.0, periods=steps * size / (2.0 * math.pi), coupling={"scheme": "jacobi", "step": size},
-        cradle={"integration_tolerance": 1e-8},
-    )  # fmt: skip
-    scene = replace(scene, record=replace(scene.record, variables=("ship.heave", "line.tension", "cradle.heave")))
-    resolved = scene.resolve(locator())
-    with tempfile.TemporaryDirectory() as directory:
-
-        def started() -> System:
-            system = System(resolved, Path(directory), held=True)
-            system.start(0.0, 1e9)
-            return system
-
-        def master() -> float:
-            system = started()
-            recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
-            settings = Settings("jacobi", size, None, size, False, size, steps * size)
-            run = simulate(system, settings, recorder)
-            system.close()
-            return run.wall / steps * 1e6
-
-        def inputs() -> list[list[list[float]]]:
-            """What the master sets on each unit at each step."""
-            system = started()
-            sent = []
-            for k in range(steps):
-                jacobi(system, k * size, size)
-                sent.append([unit.input_buffer[:] for unit in system.units])
-                system.accept(size)
-            system.close()
-            return sent
-
-        sent = inputs()
-
-        def raw() -> float:
-            system = started()
-            calls = []
-            for i, unit in enumerate(system.units):
-                buffers = [(c_double * len(row[i]))(*row[i]) for row in sent]
-                references, count, _ = unit._inputs or (0, 0, 0)
-                calls.append((
-                    unit._component, unit._set_real, references, count, [addressof(b) for b in buffers], buffers,
-                    unit._do_step, unit._get_real, unit._outputs,
-                ))  # fmt: skip
-            begin = time.perf_counter()
-            for k in range(steps):
-                t = k * size
-                for component, set_real, inputs, count, addresses, _, do_step, get_real, outputs in calls:
-                    if count:
-                        set_real(component, inputs, count, addresses[k])
-                    do_step(component, t, size, 0)
-                    get_real(component, *outputs)
-            cost = (time.perf_counter() - begin) / steps * 1e6
-            system.close()
-            return cost
-
-        def model() -> float:
-            instances = []
-            for name, unit in resolved.units.items():
-                declared = load(unit.description.model_name)
-                instance = Instance(declared)
-                instance.set_values([declared.index[n] for n in unit.parameters], list(unit.parameters.values()))
-                instance.set_up(0.0, None)
-                instance.enter_initialization()
-                instance.exit_initialization()
-                targets = [c.target for c in resolved.connections if c.target_unit == name]
-                references = [declared.index[n] for n in targets]
-                instances.append((instance, references))
-            begin = time.perf_counter()
-            for k in range(steps):
-                for (instance, references), values in zip(instances, sent[k]):
-                    if references:
-                        instance.set_values(references, values)
-                    instance.do_step(k * size, size)
-            return (time.perf_counter() - begin) / steps * 1e6
-
-        def cosim() -> float:
-            from libcosimpy.CosimExecution import CosimExecution
-            from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
-            from libcosimpy.CosimSlave import CosimLocalSlave
-
-            log_output_level(CosimLogLevel.WARNING)
-            execution = CosimExecution.from_step_size(int(size * 1e9))
-            index, references = {}, {}
-            for name, unit in resolved.units.items():
-                index[name] = execution.add_local_slave(CosimLocalSlave(str(unit.path), name))
-                references[name] = {v.name: v.value_reference for v in unit.description.variables}
-                for parameter, value in unit.parameters.items():
-                    execution.real_initial_value(index[name], references[name][parameter], float(value))
-            for c in resolved.connections:
-                execution.connect_real_variables(
-                    index[c.source_unit], references[c.source_unit][c.source],
-                    index[c.target_unit], references[c.target_unit][c.target],
-                )  # fmt: skip
-            execution.step(1)
-            begin = time.perf_counter()
-            execution.step(steps)
-            return (time.perf_counter() - begin) / steps * 1e6
-
-        peers = [cosim] if find_spec("libcosimpy") else []
-        floor, ours, bare, *theirs = _best([raw, master, model, *peers])
-        print("\n## Cost of a communication step\n")
-        print(f"Ship, spring_line and cradle, zero-order hold, the best of 15 runs of {steps} steps each, in turns.\n")
-        print("| what | us | over raw FMI calls |\n|---|---|---|")
-        print(f"| the models alone, in Python | {bare:.1f} | {bare / floor:.2f} |")
-        print(f"| raw FMI calls, nothing around them | {floor:.1f} | 1 |")
-        print(f"| towage master, `jacobi`, recording | {ours:.1f} | {ours / floor:.2f} |")
-        for cost in theirs:
-            print(f"| libcosim through libcosimpy | {cost:.1f} | {cost / floor:.2f} |")
-            print(f"\nThe master takes {ours / cost:.2f} of libcosim's time on the same three FMUs.")
-        if not theirs:
-            print("\nlibcosimpy is not installed: no comparison with libcosim.")
 
 
 if __name__ == "__main__":

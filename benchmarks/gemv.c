@@ -4,12 +4,12 @@
  *
  * Prints microseconds for one product of each size, the least mean of five batches. */
 #define _POSIX_C_SOURCE 200809L
+#include "dense.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include "dense.h"
 
 enum { MOST = 512 };
 
@@ -27,18 +27,14 @@ int main(int count, char **words)
     const int number = count > 3 ? atoi(words[1]) : 0, products = (count - 2) / 2;
     int rows[2], columns[2];
     double least = INFINITY;
-    if (number < 1 || products > 2)
-        return 1;
+    if (number < 1 || products > 2) return 1;
     for (int i = 0; i < products; i++) {
         rows[i] = atoi(words[2 + 2 * i]);
         columns[i] = atoi(words[3 + 2 * i]);
-        if (rows[i] > MOST || columns[i] > MOST)
-            return 1;
-        for (int k = 0; k < rows[i] * columns[i]; k++)
-            matrix[i][k] = 1e-3 * (k % 7);
+        if (rows[i] > MOST || columns[i] > MOST) return 1;
+        for (int k = 0; k < rows[i] * columns[i]; k++) matrix[i][k] = 1e-3 * (k % 7);
     }
-    for (int k = 0; k < MOST; k++)
-        x[k] = 1.0 + k;
+    for (int k = 0; k < MOST; k++) x[k] = 1.0 + k;
     for (int batch = 0; batch < 5; batch++) {
         const double start = now();
         for (int n = 0; n < number; n++)

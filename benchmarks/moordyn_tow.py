@@ -69,55 +69,67 @@ def quiet() -> Iterator[None]:
                 os.close(copy)
 
 
-def run(amplitude: float, segments: int, inner_step: float, step: float, settle: float, record: float) -> MoorDynRun:
-    """Tow for ``settle`` seconds, heave ramped over 10 s from its last 60 on, then record ``record`` seconds."""
-    import moordyn
-
-    start = settle - 60.0
-    text = f"""--------------------- MoorDyn Input File ------------------------------------
+DECK = """--------------------- MoorDyn Input File ------------------------------------
 ---------------------- LINE TYPES -----------------------------------
 TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
 (name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
-cable {DIAMETER} {MASS} {STIFFNESS} -0.1 0 {DRAG} 1.0 {FRICTION * DRAG / math.pi} 0
+cable {diameter} {mass} {stiffness} -0.1 0 {drag} 1.0 {tangential_drag} 0
 ---------------------- POINTS -----------------------------------
 ID Attachment X Y Z Mass Volume CdA Ca
 (#) (word/ID) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 Free -77.5 0 -487.5 {BODY_MASS} {BODY_VOLUME} {BODY_DRAG_AREA} 1.0
+1 Free -77.5 0 -487.5 {body_mass} {body_volume} {body_drag_area} 1.0
 2 Coupled 0 0 -400 0 0 0 0
 ---------------------- LINES -----------------------------------
 ID LineType AttachA AttachB UnstrLen NumSegs Outputs
 (#) (name) (ID) (ID) (m) (-) (-)
-1 cable 1 2 {LENGTH} {segments} -
+1 cable 1 2 {length} {segments} -
 ---------------------- OPTIONS -----------------------------------
 0 writeLog
 {inner_step} dtM
 rk4 tScheme
-{GRAVITY} g
-{DENSITY} rho
+{gravity} g
+{density} rho
 3000 WtrDpth
 0 TmaxIC
 ------------------------- need this line --------------------------------------
 """
 
-    def position(t: float) -> list[float]:
-        s = min(t / 15.0, 1.0)
-        x = SPEED * (t - 7.5 if s >= 1.0 else 15.0 * (s**3 - 0.5 * s**4))
-        q = min(max((t - start) / 10.0, 0.0), 1.0)
-        r = q**3 * (10.0 - 15.0 * q + 6.0 * q * q)
-        return [x, 0.0, -400.0 + amplitude * r * math.sin(FREQUENCY * t)]
 
+def deck(segments: int, inner_step: float) -> str:
+    """MoorDyn's input file of the case."""
+    return DECK.format(
+        diameter=DIAMETER, mass=MASS, stiffness=STIFFNESS, drag=DRAG, tangential_drag=FRICTION * DRAG / math.pi,
+        body_mass=BODY_MASS, body_volume=BODY_VOLUME, body_drag_area=BODY_DRAG_AREA, length=LENGTH, segments=segments,
+        inner_step=inner_step, gravity=GRAVITY, density=DENSITY,
+    )  # fmt: skip
+
+
+def fairlead(t: float, amplitude: float, start: float) -> list[float]:
+    """Place of the towpoint (x forward, y, z up), m: brought to speed over 15 s, heave ramped over 10 s from ``start``."""
+    s = min(t / 15.0, 1.0)
+    x = SPEED * (t - 7.5 if s >= 1.0 else 15.0 * (s**3 - 0.5 * s**4))
+    q = min(max((t - start) / 10.0, 0.0), 1.0)
+    ramp = q**3 * (10.0 - 15.0 * q + 6.0 * q * q)
+    return [x, 0.0, -400.0 + amplitude * ramp * math.sin(FREQUENCY * t)]
+
+
+def run(amplitude: float, segments: int, inner_step: float, step: float, settle: float, record: float) -> MoorDynRun:
+    """Tow for ``settle`` seconds, heave (``amplitude``, m) from its last 60 on, then record ``record`` seconds."""
+    import moordyn
+
+    start = settle - 60.0
     rows = []
     with tempfile.TemporaryDirectory() as folder, quiet():
         path = Path(folder) / "tow.txt"
-        path.write_text(text)
+        path.write_text(deck(segments, inner_step))
         system = moordyn.Create(str(path))
-        moordyn.Init(system, position(0.0), [0.0, 0.0, 0.0])
+        moordyn.Init(system, fairlead(0.0, amplitude, start), [0.0, 0.0, 0.0])
         line, body = moordyn.GetLine(system, 1), moordyn.GetPoint(system, 1)
         count = round((settle + record) / step)
         begin = clock.process_time()
         for k in range(count):
             t = k * step
-            here, there = position(t), position(t + step)
+            here, there = fairlead(t, amplitude, start), fairlead(t + step, amplitude, start)
             force = moordyn.Step(system, here, [(b - a) / step for a, b in zip(here, there)], t, step)
             if t + step > settle + 1e-9:
                 place = moordyn.GetPointPos(body)
@@ -128,8 +140,8 @@ rk4 tScheme
                 ])  # fmt: skip
         cost = (clock.process_time() - begin) / (count * step)
         moordyn.Close(system)
-    found = np.array(rows)
-    return MoorDynRun(found[:, 0], found[:, 1], found[:, 2], found[:, 3:5], found[:, 5:7], cost)
+    table = np.array(rows)
+    return MoorDynRun(table[:, 0], table[:, 1], table[:, 2], table[:, 3:5], table[:, 5:7], cost)
 
 
 def harmonic(time: NDArray[np.float64], values: NDArray[np.float64], order: int = 1) -> complex:

@@ -27,9 +27,10 @@ from towage.fmus.python import build as python_fmu
 from towage.master.master import Master
 from towage.scene.flavour import Flavour
 from towage.scene.scene import Scene
-from towage.units import fmu
 from towage.units.archive import extract, read_description
 from towage.units.description import Description
+from towage.units.fmu import Unit
+from towage.units.wiring import Wanted
 
 STEP = 0.01
 BATCH = 5
@@ -70,6 +71,7 @@ def fmpy_methods(description: Description, directory: Path, count: int) -> float
     k = 0
 
     def step() -> None:
+        """Set, step and get once."""
         nonlocal k
         t = k * STEP
         s, c = a * math.sin(w * t), a * w * math.cos(w * t)
@@ -86,20 +88,18 @@ def fmpy_methods(description: Description, directory: Path, count: int) -> float
 
 def raw_calls(description: Description, directory: Path, by_function: bool, count: int) -> float:
     """us per step of the master's unit, with derivatives as variables or through the standard's function."""
-    before, fmu.BY_FUNCTION = fmu.BY_FUNCTION, by_function
-    try:
-        unit = fmu.Unit("it", description, directory, list(TENSION), OUTPUTS, OUTPUTS)
-    finally:
-        fmu.BY_FUNCTION = before
+    wanted = Wanted(list(TENSION), OUTPUTS, OUTPUTS, by_function=by_function)
+    unit = Unit("it", description, directory, wanted)
     unit.start(START, 0.0, 1e9)
     ((name, (a, w)),) = TENSION.items()
-    entry, buffer, k = unit.inputs[name], unit.input_buffer, 0
+    place, buffer, k = unit.inputs[name], unit.input_buffer, 0
 
     def step() -> None:
+        """Set, step and get once."""
         nonlocal k
         t = k * STEP
-        s, c, d = a * math.sin(w * t), a * w * math.cos(w * t), entry.derivatives
-        buffer[entry.slot], buffer[d], buffer[d + 1], buffer[d + 2] = s, c, -w * w * s, -w * w * c
+        s, c, d = a * math.sin(w * t), a * w * math.cos(w * t), place.derivatives
+        buffer[place.slot], buffer[d], buffer[d + 1], buffer[d + 2] = s, c, -w * w * s, -w * w * c
         unit.advance(t, STEP)
         k += 1
 
@@ -151,6 +151,7 @@ def cable_step(folder: Path, host: Path) -> None:
     n, held, shown = 80, 4 * 4, 48 + 8  # states; inputs times powers of time; outputs and rates of states
 
     def products(*sizes: int) -> float:
+        """us of matrix products of these sizes."""
         return float(output([program, "20000", *map(str, sizes)]).split()[0])
 
     rows = {
@@ -228,13 +229,15 @@ def memory() -> float:
     """What malloc has given away in this process (glibc), kB."""
 
     class Statistics(Structure):
+        """``struct mallinfo2``."""
+
         _fields_ = tuple((name, c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks",
                                                        "fsmblks", "uordblks", "fordblks", "keepcost"))  # fmt: skip
 
     mallinfo = CDLL(None).mallinfo2
     mallinfo.restype = Statistics
-    found = mallinfo()
-    return float(found.uordblks + found.hblkhd) / 1e3
+    counts = mallinfo()
+    return float(counts.uordblks + counts.hblkhd) / 1e3
 
 
 def master() -> None:
@@ -243,15 +246,15 @@ def master() -> None:
     for name in ("sea_cliff", "tow_600ft"):
         scene = Scene.load(name)
         scene = replace(scene, coupling=replace(scene.coupling, error_estimate=False),
-                        checks=replace(scene.checks, sdof=None))  # fmt: skip
-        found: dict[Flavour, float] = {}
+                        checks=scene.checks.without("sdof"))  # fmt: skip
+        seconds: dict[Flavour, float] = {}
         steps = 0.0
         for flavour in ("python", "native"):
             prepared = Master(scene, scene.cases[0].name, None, flavour)
             runs = [prepared.run().statistics for _ in range(3)]
-            found[flavour], steps = min(r["cpu_s"] for r in runs), runs[0]["steps"]
-        print(f"| {name} | {steps:.0f} | {found['python']:.3g} | {found['native']:.3g} | "
-              f"{found['python'] / found['native']:.3g} |")  # fmt: skip
+            seconds[flavour], steps = min(r["cpu_s"] for r in runs), runs[0]["steps"]
+        print(f"| {name} | {steps:.0f} | {seconds['python']:.3g} | {seconds['native']:.3g} | "
+              f"{seconds['python'] / seconds['native']:.3g} |")  # fmt: skip
 
 
 def main() -> None:

@@ -52,10 +52,11 @@ def output(command: list[str | Path], text: str = "") -> str:
     return subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
 
 
-def compiled(folder: Path, name: str, sources: list[Path], include: Path) -> Path:
+def compiled(folder: Path, name: str, sources: list[Path], *include: Path) -> Path:
     """A C program."""
     program = folder / name
-    command = [*compiler.compiler(compiler.host()), *FLAGS, f"-I{include}", "-o", program, *sources, "-ldl", "-lm"]
+    places = [f"-I{place}" for place in include]
+    command = [*compiler.compiler(compiler.host()), *FLAGS, *places, "-o", program, *sources, "-ldl", "-lm"]
     subprocess.run(command, check=True)
     return program
 
@@ -63,4 +64,4 @@ def compiled(folder: Path, name: str, sources: list[Path], include: Path) -> Pat
 def c_host(folder: Path) -> Path:
     """The host of the tests."""
     sources = [ROOT / f"tests/fmus/host/{name}.c" for name in ("host", "fmu")]
-    return compiled(folder, "host", sources, native_fmu.RUNTIME)
+    return compiled(folder, "host", sources, native_fmu.RUNTIME / "fmi2", native_fmu.RUNTIME / "fmi3")

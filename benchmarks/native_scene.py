@@ -26,7 +26,7 @@ from towage.fmus.native.build import build_unit
 from towage.master.master import Master
 from towage.scene.compose import unit_of
 from towage.scene.flavour import Flavour
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, described
 from towage.scene.scene import Scene
 from towage.units.store import locator
 from towage.verify.monolithic import solve
@@ -42,11 +42,12 @@ def bare(name: str, case: str | None) -> Scene:
     scene = Scene.load(name)
     scene = scene.case(case) if case else scene
     coupling = replace(scene.coupling, error_estimate=False)
-    return replace(scene, cases=(), coupling=coupling, checks=replace(scene.checks, sdof=None, simpler=None))
+    return replace(scene, cases=(), coupling=coupling, checks=scene.checks.without("sdof", "simpler"))
 
 
-def error(found: Array, exact: Array) -> float:
-    return float(np.max(np.abs(found - exact)) / np.max(np.abs(exact)))
+def error(computed: Array, exact: Array) -> float:
+    """Largest difference over the largest exact value."""
+    return float(np.max(np.abs(computed - exact)) / np.max(np.abs(exact)))
 
 
 def coupled(scene: Scene, flavour: Flavour) -> tuple[float, float, Array]:
@@ -100,7 +101,7 @@ def main(chosen: list[str]) -> None:
     """One table a scene."""
     for name in chosen:
         scene = bare(name, SCENES[name])
-        resolved = scene.resolve(locator())
+        resolved = described(scene, locator())
         with tempfile.TemporaryDirectory() as folder:
             fmu, _ = build_unit(unit_of(resolved, name), Path(folder))
             rows = []

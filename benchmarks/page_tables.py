@@ -58,7 +58,7 @@ class Curves(NamedTuple):
 
 def tables(markdown: str) -> list[Table]:
     """All tables of a page."""
-    found: list[Table] = []
+    parsed: list[Table] = []
     heading, block = "", []
     for line in [*markdown.splitlines(), ""]:
         if line.startswith("|"):
@@ -66,18 +66,18 @@ def tables(markdown: str) -> list[Table]:
             continue
         if len(block) > 2:
             rows = tuple(tuple(row) for row in block[2:])
-            found.append(Table(heading, tuple(_unique(block[0])), tuple(_unique(_labels(rows))), rows))
+            parsed.append(Table(heading, tuple(_unique(block[0])), tuple(_unique(_labels(rows))), rows))
         block = []
         if line.startswith("#"):
             heading = line.lstrip("# ").strip()
-    return found
+    return parsed
 
 
-def ratios(found: list[Table], columns: tuple[Column, ...]) -> dict[str, Ratio]:
+def ratios(parsed: list[Table], columns: tuple[Column, ...]) -> dict[str, Ratio]:
     """Ratios by ``heading / row / column``. A number printed with one digit is left out, its rounding being as large as
     what is looked for, and so are the row of 1 that the others are over and the rows of peers."""
     kept: dict[str, Ratio] = {}
-    for table in found:
+    for table in parsed:
         for column in columns:
             for index in _matching(table, column.pattern):
                 values = {n: v for n, row in zip(table.labels, table.rows) if (v := _measured(row[index])) is not None}
@@ -92,10 +92,10 @@ def ratios(found: list[Table], columns: tuple[Column, ...]) -> dict[str, Ratio]:
     return kept
 
 
-def curves(found: list[Table], wanted: Curves) -> Iterator[tuple[str, Series]]:
+def curves(parsed: list[Table], wanted: Curves) -> Iterator[tuple[str, Series]]:
     """(title, error over cost by method) of every diagram that the tables hold. A method is what a row's label says
     before its first comma."""
-    for table in found:
+    for table in parsed:
         costs, errors = _matching(table, wanted.cost), _matching(table, wanted.error)
         if not costs or not errors:
             continue
@@ -119,13 +119,13 @@ def _matching(table: Table, pattern: str) -> list[int]:
 
 def _numbers(cell: str) -> list[float]:
     """The numbers of a cell like ``1.2`` or ``2.5 / 1.7``; none where it says a word."""
-    found = []
+    numbers = []
     for part in cell.split(" / "):
         try:
-            found.append(float(part))
+            numbers.append(float(part))
         except ValueError:
             return []
-    return found
+    return numbers
 
 
 def _measured(cell: str) -> float | None:
@@ -144,8 +144,8 @@ def _labels(rows: tuple[tuple[str, ...], ...]) -> list[str]:
 def _unique(names: list[str]) -> list[str]:
     """Repeated names numbered from the second on."""
     seen: Counter[str] = Counter()
-    found = []
+    unique = []
     for name in names:
         seen[name] += 1
-        found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return found
+        unique.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return unique

@@ -39,8 +39,8 @@ LIMIT = 120.0
 def cases() -> dict[str, tuple[Problem, float]]:
     """Problem and time of the global minimum, h."""
     text = (files("towage") / "reference" / "sea_and_route.json").read_text("utf-8")
-    found = {c["name"]: c for c in json.loads(text)["cases"] if c["name"] in STORMS}
-    return {n: (verify_sea.problem(found[n]["inputs"]), found[n]["expected"]["local_minima_h"][0]) for n in STORMS}
+    cases = {c["name"]: c for c in json.loads(text)["cases"] if c["name"] in STORMS}
+    return {n: (verify_sea.problem(cases[n]["inputs"]), cases[n]["expected"]["local_minima_h"][0]) for n in STORMS}
 
 
 def timed(work: Callable[[], float | None], repeat: int) -> tuple[float | None, float]:
@@ -88,7 +88,10 @@ def by_isochrones(problem: Problem, step: float) -> float | None:
     medium, start = problem.medium, datetime.datetime(2020, 1, 1)
 
     class Field(weatherrouting.Grib):  # type: ignore[misc,name-defined,unused-ignore]
+        """The waves as the wind that the package expects: feet of height as knots."""
+
         def get_wind_at(self, t: datetime.datetime, lat: float, lon: float) -> tuple[float, float]:
+            """(bearing that the waves come from, degrees; height, ft, as a speed in m/s)."""
             one = np.ones(1)
             sea = medium.field.at(lon * 60.0 * MILE * one, lat * 60.0 * MILE * one, (t - start).total_seconds() * one)
             bearing = 90.0 - math.degrees(math.atan2(sea.ky[0], sea.kx[0]))
@@ -110,9 +113,9 @@ def by_isochrones(problem: Problem, step: float) -> float | None:
     routing.wp = 1
     begin = time.process_time()
     while not routing.end and time.process_time() - begin < LIMIT:
-        found = routing.step(timedelta=step)
-        if found.path:
-            last = found.path[-1]
+        outcome = routing.step(timedelta=step)
+        if outcome.path:
+            last = outcome.path[-1]
             left = last.point_distance(end)
             hours = (last.time - start).total_seconds() / HOUR
             return hours + left / max(float(last.speed or 0.0), 1.0)

@@ -22,7 +22,6 @@ from scipy.linalg import eig
 from towage.fmus.slender_body import UNIT
 from towage.models.numeric.matrix_ops import numbers
 from towage.models.numeric.ops import FLOATS
-from towage.models.slender import body as slender_body
 from towage.models.slender import prepared as slender_prepared
 from towage.models.slender import series as slender_series
 from towage.models.slender import setup as slender_setup
@@ -32,6 +31,7 @@ from towage.models.slender.modes import matrices, roots, spectrum
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+MODEL = UNIT.model
 SPEEDS = (0.7, 4.0, 8.0, 12.0)
 BODY = Body()
 MOVING = (0.0, 0.05, 0.0, 0.0)
@@ -54,10 +54,10 @@ def reference(u: float) -> Complex:
     return slender_series.spectrum(BODY, u, start, 90, slender_series.MIDDLE)
 
 
-def error(found: Complex, wanted: Complex) -> float:
-    """Largest relative distance of a wanted mode to the nearest found one; nan counts as lost."""
-    found = found[np.isfinite(found)]
-    return max(float(np.min(np.abs(found - s)) / abs(s)) if len(found) else math.inf for s in wanted)
+def error(computed: Complex, wanted: Complex) -> float:
+    """Largest relative distance of a wanted mode to the nearest computed one; nan counts as lost."""
+    known = computed[np.isfinite(computed)]
+    return max(float(np.min(np.abs(known - s)) / abs(s)) if len(known) else math.inf for s in wanted)
 
 
 def collocation(body: Body, u: float, points: int) -> Complex:
@@ -102,6 +102,7 @@ def modes_table() -> None:
     print("|---|---|---|" + "---|" * (len(SPEEDS) + 1))
 
     def line(method: str, size: int, states: str, solve: Callable[[float], Complex]) -> None:
+        """A row of the table."""
         with np.errstate(all="ignore"):
             errors = " | ".join(
                 f"{e:.0e}" if (e := error(solve(u), wanted[u])) < 0.1 else "lost" for u in SPEEDS
@@ -141,18 +142,21 @@ def step_table() -> None:
     print("|---|---|---|---|---|")
     for n in (2, 6, 10, 14, 18, 24):
         p = base(flexible=0.0) if n == 2 else base(shape_functions=float(n))
-        x, m = slender_body.initial(p, FLOATS)
+        x, m = MODEL.initial(p, FLOATS)
         made = slender_prepared.prepare(p)
         counter = iter(range(10**6))
 
         def held(p=p, x=x, m=m) -> object:  # type: ignore[no-untyped-def]
-            return [slender_body.advance(0.0, 0.1, x, m, [(2.7, 0.0, 0.0, 0.0), MOVING], p, FLOATS) for _ in range(200)]
+            """200 steps at one speed."""
+            return [MODEL.advance(0.0, 0.1, x, m, MODEL.Inputs((2.7, 0.0, 0.0, 0.0), MOVING), p, FLOATS) for _ in range(200)]
 
         def new(p=p, x=x, m=m, counter=counter) -> object:  # type: ignore[no-untyped-def]
+            """A step at a speed that was not there before."""
             speed = 2.7 + 1e-6 * next(counter)
-            return slender_body.advance(0.0, 0.1, x, m, [(speed, 0.0, 0.0, 0.0), MOVING], p, FLOATS)
+            return MODEL.advance(0.0, 0.1, x, m, MODEL.Inputs((speed, 0.0, 0.0, 0.0), MOVING), p, FLOATS)
 
         def growth(made=made, counter=counter) -> object:  # type: ignore[no-untyped-def]
+            """Modes at a speed that was not there before."""
             return roots(made.system, 3.6 + 1e-6 * next(counter))
 
         held()
@@ -162,70 +166,85 @@ def step_table() -> None:
     print()
 
 
-def integrators_table() -> None:
-    """The exact step against general integrators on the ramp of the spec, at about equal error."""
-    p = base()
-    made = slender_prepared.prepare(p)
-    stop, n = 20.0, 2 * made.n
+class Ramp:
+    """The body behind a craft that sways while the tow speed rises: two points of the body over 20 s, m, by the exact step
+    and by scipy's integrators on the same equations."""
 
-    def speed(t: float) -> float:
-        return 1.5 + 1.5 * t / stop
+    stop = 20.0
 
+    def __init__(self) -> None:
+        self.parameters = base()
+        self.prepared = slender_prepared.prepare(self.parameters)
+        # A and b are quadratic in u: three values give them at all speeds
+        a0, a1, a2 = (self.prepared.system.companion(u) for u in (0.0, 1.0, 2.0))
+        self.companion = a0, (4.0 * a1 - 3.0 * a0 - a2) / 2.0, (a2 - 2.0 * a1 + a0) / 2.0
+        self.load = self.prepared.system.load(1.0)
+
+    def speed(self, t: float) -> float:
+        """Tow speed, m/s."""
+        return 1.5 + 1.5 * t / self.stop
+
+    @staticmethod
     def craft(t: float) -> float:
+        """Sway of the craft, m."""
         return 0.1 * math.sin(0.5 * t)
 
-    def exact(h: float) -> Array:
-        x, m = slender_body.initial(p, FLOATS)
+    def exact(self, h: float) -> Array:
+        """By the unit's step of ``h`` s, every 0.4 s."""
+        p = self.parameters
+        x, m = MODEL.initial(p, FLOATS)
         rows = []
-        for k in range(round(stop / h)):
+        for k in range(round(self.stop / h)):
             t = k * h
-            a, b, da, db = craft(t), craft(t + h), 0.05 * math.cos(0.5 * t), 0.05 * math.cos(0.5 * (t + h))
+            a, b = self.craft(t), self.craft(t + h)
+            da, db = 0.05 * math.cos(0.5 * t), 0.05 * math.cos(0.5 * (t + h))
             slope = (b - a) / h
             w = (a, da, (3.0 * slope - 2.0 * da - db) / h, (da + db - 2.0 * slope) / h**2)
-            x = slender_body.advance(t, h, x, m, [(speed(t), 1.5 / stop, 0.0, 0.0), w], p, FLOATS)
+            x = MODEL.advance(t, h, x, m, MODEL.Inputs((self.speed(t), 1.5 / self.stop, 0.0, 0.0), w), p, FLOATS)
             if abs((t + h) / 0.4 - round((t + h) / 0.4)) < 1e-9:
-                rows.append(made.points[:2] @ np.array(x[: made.n]))
+                rows.append(self.prepared.points[:2] @ np.array(x[: self.prepared.n]))
         return np.array(rows)
 
-    # A and b are quadratic in u: three values give them at all speeds
-    def quadratic(of: Callable[[float], Array]) -> tuple[Array, Array, Array]:
-        a0, a1, a2 = of(0.0), of(1.0), of(2.0)
-        return a0, (4.0 * a1 - 3.0 * a0 - a2) / 2.0, (a2 - 2.0 * a1 + a0) / 2.0
+    def matrix(self, t: float) -> Array:
+        """Of the linear equations at the speed of t, 1/s."""
+        u = self.speed(t) / self.prepared.speed
+        a0, a1, a2 = self.companion
+        return np.asarray((a0 + u * (a1 + u * a2)) / self.prepared.tau)
 
-    a0, a1, a2 = quadratic(made.system.companion)
-    b2 = made.system.load(1.0)
+    def rates(self, t: float, z: Array) -> Array:
+        """Derivatives of the states."""
+        u = self.speed(t) / self.prepared.speed
+        return np.asarray(self.matrix(t) @ z + (u * u * self.craft(t) / self.prepared.tau) * self.load)
 
-    def matrix(t: float) -> Array:
-        u = speed(t) / made.speed
-        return np.asarray((a0 + u * (a1 + u * a2)) / made.tau)
-
-    def rates(t: float, z: Array) -> Array:
-        u = speed(t) / made.speed
-        return np.asarray(matrix(t) @ z + (u * u * craft(t) / made.tau) * b2)
-
-    def general(method: str, rtol: float) -> tuple[Array, int]:
-        extra = {} if method == "RK45" else {"jac": lambda t, z: matrix(t)}
-        found = solve_ivp(
-            rates, (0.0, stop), np.zeros(n), method, rtol=rtol, atol=1e-3 * rtol,
-            t_eval=np.linspace(0.4, stop, 50), **extra,
+    def general(self, method: str, rtol: float) -> tuple[Array, int]:
+        """(the same points by an integrator of scipy, its evaluations)."""
+        extra = {} if method == "RK45" else {"jac": lambda t, z: self.matrix(t)}
+        run = solve_ivp(
+            self.rates, (0.0, self.stop), np.zeros(2 * self.prepared.n), method, rtol=rtol, atol=1e-3 * rtol,
+            t_eval=np.linspace(0.4, self.stop, 50), **extra,
         )  # fmt: skip
-        return (made.points[:2] @ found.y[: made.n]).T, int(found.nfev)
+        return (self.prepared.points[:2] @ run.y[: self.prepared.n]).T, int(run.nfev)
 
-    reference = exact(0.0125)
+
+def integrators_table() -> None:
+    """The exact step against general integrators on the ramp, at about equal error."""
+    ramp = Ramp()
+    reference = ramp.exact(0.0125)
     scale = float(np.max(np.abs(reference)))
     print("| method | setting | error | steps or evaluations | s |")
     print("|---|---|---|---|---|")
     for h in (0.4, 0.2, 0.1, 0.05):
         start = time.perf_counter()
-        found = exact(h)
+        points = ramp.exact(h)
         took = time.perf_counter() - start
-        print(f"| exact step | {h:g} s | {np.max(np.abs(found - reference)) / scale:.1e} | {round(stop / h)} | {took:.2f} |")
+        size = np.max(np.abs(points - reference)) / scale
+        print(f"| exact step | {h:g} s | {size:.1e} | {round(ramp.stop / h)} | {took:.2f} |")
     for method in ("Radau", "BDF", "RK45"):
         for rtol in (1e-3, 1e-4, 1e-6):
             start = time.perf_counter()
-            found, count = general(method, rtol)
+            points, count = ramp.general(method, rtol)
             took = time.perf_counter() - start
-            size = np.max(np.abs(found - reference)) / scale
+            size = np.max(np.abs(points - reference)) / scale
             print(f"| {method} | rtol {rtol:.0e} | {size:.1e} | {count} | {took:.2f} |", flush=True)
     print()
 

@@ -1,6 +1,7 @@
 """Runs the shipped scenes and writes a page for each into ``docs/scenes/``: ``python docs/make_scenes.py [SCENE ...]``.
 
 The pages are not committed: what they say is what the scenes do now. A page shows the command that a reader would type.
+``python docs/make_scenes.py --readme`` draws the picture of the README instead.
 """
 
 import sys
@@ -14,6 +15,8 @@ from towage.scene.scene import Scene, available_scenes
 
 PAGES = Path(__file__).with_name("scenes")
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
+README = Path(__file__).with_name("sea_cliff.svg"), "sea_cliff", "ship resonance, 3.92 s"
+"""The picture of the README, and the scene and case that it is a result of."""
 GRAVITY = ("invalid", "marginal", "not judged", "valid")
 
 
@@ -50,7 +53,18 @@ def write(name: str, directory: Path) -> None:
         (directory / f"{name}.svg").write_text(picture, encoding="utf-8")
 
 
+def draw_readme(path: Path) -> None:
+    """Runs the case of the README and draws its tension, with the one-way run beside it."""
+    _, name, case = README
+    picture = Plotter(towage.run(name, case=case), name, 100).tension()
+    assert picture
+    path.write_text(picture.replace("<svg ", SVG, 1), encoding="utf-8")
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["--readme"]:
+        draw_readme(README[0])
+        sys.exit()
     for scene_name in sys.argv[1:] or [scene.name for scene in available_scenes()]:
         print(scene_name, file=sys.stderr, flush=True)
         write(scene_name, PAGES)

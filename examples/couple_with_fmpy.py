@@ -14,8 +14,8 @@ from fmpy.fmi2 import FMU2Slave
 STEP, END = 0.125, 120.0
 
 
-class Unit:
-    """An FMU whose variables are called by name."""
+class Instance:
+    """A running FMU whose variables are called by name."""
 
     def __init__(self, path, **parameters):
         description = read_model_description(str(path))
@@ -29,9 +29,13 @@ class Unit:
         self.fmu.exitInitializationMode()
 
     def set(self, **values):
+        """Set variables, SI."""
+        """Set variables by name, SI."""
         self.fmu.setReal([self.reference[n] for n in values], list(values.values()))
 
     def get(self, *names):
+        """Values of variables, SI."""
+        """Values of variables by name, SI."""
         return self.fmu.getReal([self.reference[n] for n in names])
 
 
@@ -43,10 +47,11 @@ def cubic(name, a, a_rate, b, b_rate):
 
 
 def main(directory):
-    ship = Unit(directory / "ship.fmu", heave_amplitude=0.6, heave_period=8.0, ramp_time=16.0, mass=9.1e5,
+    """Couple the FMUs of a directory."""
+    ship = Instance(directory / "ship.fmu", heave_amplitude=0.6, heave_period=8.0, ramp_time=16.0, mass=9.1e5,
                 stiffness=2.3e6, damping=1.5e5)  # fmt: skip
-    line = Unit(directory / "spring_line.fmu", stiffness=3.3e4, static_tension=8e4)
-    cradle = Unit(directory / "cradle.fmu", mass=3.6e4, added_mass=1.7e4, weight_in_water=8e4, drag_area=51.0,
+    line = Instance(directory / "spring_line.fmu", stiffness=3.3e4, static_tension=8e4)
+    cradle = Instance(directory / "cradle.fmu", mass=3.6e4, added_mass=1.7e4, weight_in_water=8e4, drag_area=51.0,
                   docking_time=60.0, submersible_mass=2.6e4)  # fmt: skip
 
     def pull():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,7 +24,8 @@ def once(directory: Path, make: Callable[[Path], object]) -> Path:
     with directory.with_name(directory.name + ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not done.exists():
-            directory.mkdir(exist_ok=True)
+            shutil.rmtree(directory, ignore_errors=True)  # of an attempt that failed
+            directory.mkdir()
             make(directory)
             done.touch()
     return directory

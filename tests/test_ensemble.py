@@ -31,7 +31,7 @@ EXACT = 1e-8
 def scene(name: str, stop: float) -> Scene:
     whole = Scene.load(name)
     chosen = whole.case(whole.cases[0].name) if whole.cases else whole
-    return replace(chosen, cases=(), stop_time=stop, checks=replace(chosen.checks, sdof=None))
+    return replace(chosen, cases=(), stop_time=stop, checks=chosen.checks.without("sdof"))
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_measures_are_columns_of_a_sweep() -> None:
         ),
         (lambda: Ensemble(scene("slack", 5.0), {"ship.heave_amplitud": [1.0]}), "did you mean 'ship.heave_amplitude'"),
         (lambda: Ensemble(scene("slack", 5.0), {AMPLITUDE: [1.0]}, ["line.tensio"]), "did you mean 'line.tension'"),
-        (lambda: Ensemble(Scene.load("docking"), {AMPLITUDE: [1.0]}), "choose 'plastic capture' or"),
+        (lambda: Ensemble(Scene.load("docking"), {AMPLITUDE: [1.0]}), "choose one of 'plastic capture', "),
         (lambda: Ensemble(scene("slack", 5.0), {AMPLITUDE: [1.0]}).run([1.0, 1.0]), "times: expected"),
         (lambda: Ensemble(load("cradle_on_line"), {"mass": [1e4]}).run(), "give the times of the outputs"),
     ],
@@ -154,3 +154,10 @@ def test_without_a_compiler_the_message_says_what_to_install(monkeypatch: pytest
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(CompileError, match=r"no C compiler on this machine: pip install 'towage\[native\]'"):
         Ensemble(load("cradle_on_line"), {"mass": [1e4]})
+
+
+def test_a_case_of_a_scene_by_name() -> None:
+    by_name = Ensemble("docking", {AMPLITUDE: [1.0]}, ["cradle.heave"], "plastic capture").run([0.0, 1.0], samples=0)
+    chosen = Scene.load("docking").case("plastic capture")
+    by_value = Ensemble(replace(chosen, cases=()), {AMPLITUDE: [1.0]}, ["cradle.heave"]).run([0.0, 1.0], samples=0)
+    assert by_name.high["cradle.heave"].tolist() == by_value.high["cradle.heave"].tolist()

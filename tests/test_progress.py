@@ -28,7 +28,7 @@ class Broken(io.StringIO):
 def clock(monkeypatch):
     """A clock that moves only when told: ``clock.append(seconds)``."""
     times = [100.0]
-    monkeypatch.setattr(module.time, "monotonic", lambda: times[-1])
+    monkeypatch.setattr(module, "CLOCK", lambda: times[-1])
     return times
 
 

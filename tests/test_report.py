@@ -20,9 +20,9 @@ from towage.report.format import number, percent, quantity
 from towage.report.page import text_summary, write_report
 from towage.report.plots import intervals, roles, slack
 from towage.report.svg import thin
-from towage.result.result import Check, Comparison, Event, Margin, Result, Verdict
+from towage.result.result import Comparison, Event, Finding, Margin, Result, Verdict
 
-CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+CHROMIUM = next((program for name in ("chromium", "chromium-browser", "google-chrome") if (program := shutil.which(name))), None)
 SCENE = """title = "Sea Cliff's cradle under Lulu"
 connections = ["ship.heave -> line.heave_top", "line.tension -> cradle.line_tension"]
 
@@ -70,8 +70,8 @@ def cradle(case="8 s wave", ratio=0.9, zeta=0.15, weight=36e3, samples=1601, err
         columns=columns, one_way=one_way, events=events, margins=margins, step_sizes=steps, scene_source=SCENE,
         units={"ship.heave": "m", "cradle.heave": "m", "line.tension": "N", "cradle.velocity": "m/s"},
         checks=[
-            Check("sdof closed form", "ok", 0.0093, 0.045, "eps* is below 0.9 of the tolerance"),
-            Check("line.tension -> cradle.line_tension", "warning", None, None, "N converted to kN & back <twice>"),
+            Finding("sdof closed form", "ok", 0.0093, 0.045, "eps* is below 0.9 of the tolerance"),
+            Finding("line.tension -> cradle.line_tension", "warning", None, None, "N converted to kN & back <twice>"),
         ],
         comparison=Comparison(0.05, error, 0.031, error * 1.2, 0.034, 0.0108, 0.0109, 0.0093, 0.02, 0.009, "valid"),
         verdict=Verdict(word, "amplitude changes little when the ship feels the cradle", error, 0.05),
@@ -304,9 +304,9 @@ def test_comparison_of_runs_lays_what_they_share_side_by_side(tmp_path):
 def test_differences_are_those_of_the_curves():
     first, other = foreign(401), foreign(101)
     other.columns["Motor.tau"] = other.columns["Motor.tau"] + 0.25
-    found = difference(first, other, "Motor.tau")
-    assert found.largest == pytest.approx(0.25, abs=0.2**2 / 8)  # linear interpolation of cos over 0.2 s
-    assert found.relative == pytest.approx(0.25 / math.sqrt(0.5), rel=0.03)  # 20 s are not whole periods
+    change = difference(first, other, "Motor.tau")
+    assert change.largest == pytest.approx(0.25, abs=0.2**2 / 8)  # linear interpolation of cos over 0.2 s
+    assert change.relative == pytest.approx(0.25 / math.sqrt(0.5), rel=0.03)  # 20 s are not whole periods
     assert difference(first, first, "Motor.tau")[:3] == (0.0, 0.0, 0.0)
     other.time = other.time + 100.0
     assert math.isnan(difference(first, other, "Motor.tau").largest), "no time in common"

@@ -21,8 +21,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.io import loadmat
 
 from towage.errors import TowageError
-from towage.process.files import atomic_write
-from towage.result.result import Check, Comparison, Event, Margin, Result, Verdict
+from towage.files import atomic_write
+from towage.result.result import Comparison, Event, Finding, Margin, Result, Verdict
 
 ROOT = Path(__file__).parents[1]
 
@@ -36,7 +36,7 @@ def cradle(samples=200):
         title="Cradle", case="8 s", scheme="hermite", status="done", message="", time=clock, columns=columns,
         units={"ship.heave": "m", "cradle.heave": "m", "line.tension": "N"}, one_way={"cradle.heave": ship / 0.76},
         events=[Event(1.0 / 3.0, "line", "taut", -1), Event(0.7, "line", "taut", 1), Event(4.0, "cradle", "docking", 0)],
-        checks=[Check("closed form", "ok", 0.0093, 0.045, "µ/|Ω² − 1|")],
+        checks=[Finding("closed form", "ok", 0.0093, 0.045, "µ/|Ω² − 1|")],
         margins=[
             Margin("line.margin_taut", 0.2, 3.0, False), Margin("line.margin_breaking", 0.6, 4.0, True),
             Margin("ship.margin_sdof", math.nan, 0.0, True),
@@ -253,3 +253,104 @@ def test_a_kill_in_mid_write_leaves_the_old_file_or_the_new_one(tmp_path):
         result = Result.load_npz(path)
         assert int(result.case) in (finished, finished + 1)
         assert all((values == float(result.case)).all() for values in result.columns.values())
+
+
+# ---- names in npz, tables, plots ------------------------------------------------------------------------------------
+
+
+def test_npz_columns_carry_their_names(tmp_path):
+    result = cradle()
+    result.response = None
+    result.columns |= {"file": result.time, "a.npy": result.time + 1.0, "time": result.time + 2.0}
+    result.save_npz(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as store:
+        for name in ("ship.heave", "cradle.heave", "line.tension"):
+            assert store[name].tobytes() == result[name].tobytes()
+        assert store["one_way:cradle.heave"].tobytes() == result.one_way["cradle.heave"].tobytes()
+        assert store["time"].tobytes() == result.time.tobytes()
+    assert_equal(result, Result.load_npz(tmp_path / "run.npz"))  # names that numpy would mistake are numbered
+
+
+def test_npz_of_format_1_still_loads(tmp_path):
+    """Columns were numbered, their names in the metadata."""
+    result = cradle()
+    metadata = json.loads(json.dumps(result.summary()))
+    for added in ("events", "samples", "start_time", "end_time", "extremes"):
+        del metadata[added]
+    metadata |= {"format": 1, "column_names": list(result.columns), "one_way_names": ["cradle.heave"], "response": None}
+    metadata |= {"scene_source": "", "events": [vars(event) for event in result.events]}
+    metadata["statistics"]["real_time_factor"] = math.inf
+    metadata["margins"][2]["worst"] = math.nan
+    arrays_ = {f"column_{k}": values for k, values in enumerate(result.columns.values())}
+    text = np.frombuffer(json.dumps(metadata).encode(), np.uint8)
+    one_way = result.one_way["cradle.heave"]
+    with open(tmp_path / "old.npz", "wb") as stream:
+        np.savez(stream, metadata=text, time=result.time, step_sizes=result.step_sizes, one_way_0=one_way, **arrays_)
+    result.response, result.scene_source = None, ""
+    assert_equal(result, Result.load_npz(tmp_path / "old.npz"))
+
+
+def test_as_a_pandas_table():
+    pytest.importorskip("pandas")
+    result = cradle()
+    table = result.to_dataframe()
+    assert list(table.columns) == [*result.columns, "one_way:cradle.heave"] and table.index.name == "time"
+    assert table.index.to_numpy().tobytes() == result.time.tobytes()
+    assert table["line.tension"].to_numpy().tobytes() == result["line.tension"].tobytes()
+    assert table.attrs["units"] == {
+        "time": "s", "ship.heave": "m", "cradle.heave": "m", "line.tension": "N", "one_way:cradle.heave": "m"
+    }  # fmt: skip
+    assert table.attrs["verdict"] == "valid" and table.attrs["case"] == "8 s"
+
+
+def test_as_an_xarray_dataset():
+    pytest.importorskip("xarray")
+    result = cradle()
+    data = result.to_xarray()
+    assert set(data.data_vars) == {*result.columns, "one_way:cradle.heave"}
+    assert data["line.tension"].attrs == {"units": "N"} and data["time"].attrs == {"units": "s"}
+    assert data["line.tension"].dims == ("time",)
+    assert data["line.tension"].values.tobytes() == result["line.tension"].tobytes()
+    assert data["line.tension"].sel(time=16.0) == result["line.tension"][-1]
+    assert data.attrs["title"] == "Cradle" and data.attrs["verdict"] == "valid"
+
+
+@pytest.mark.parametrize("kind", ["pandas", "xarray"])
+def test_tables_say_what_to_install(kind, monkeypatch):
+    monkeypatch.setitem(sys.modules, kind, None)
+    with pytest.raises(TowageError, match=rf"this needs {kind} .*: pip install 'towage\[frames\]'"):
+        {"pandas": cradle().to_dataframe, "xarray": cradle().to_xarray}[kind]()
+
+
+def test_a_result_is_told_in_one_line():
+    assert repr(cradle()) == "<Result of 'Cradle, 8 s': valid; 3 variables, 200 samples to t = 16 s>"
+    failed = Result("T", "", "auto", "failed", "no step", np.empty(0), {}, {})
+    assert repr(failed) == "<Result of 'T': failed; 0 variables, 0 samples>"
+
+
+def test_plot_has_a_panel_a_unit_and_the_one_way_run_dashed():
+    result = cradle()
+    result.columns |= {"line.margin_taut": result.time, "ship.heave_rate": result.time, "line.event_taut": result.time}
+    metres, newtons = result.plot().axes
+    assert (metres.get_ylabel(), newtons.get_ylabel(), newtons.get_xlabel()) == ("m", "N", "time, s")
+    drawn = [(line.get_label(), line.get_linestyle()) for line in metres.lines]
+    assert [style for _, style in drawn] == ["-", "-", "--"]
+    assert [label for label, _ in drawn[:2]] == ["ship.heave", "cradle.heave"]
+    assert metres.lines[2].get_ydata().tobytes() == result.one_way["cradle.heave"].tobytes()
+    (panel,) = result.plot("line.tension").axes
+    assert [line.get_label() for line in panel.lines] == ["line.tension"]
+    with pytest.raises(KeyError, match="did you mean 'line.tension'"):
+        result.plot("line.tensoin")
+
+
+def test_notebook_shows_the_verdict_and_the_plot():
+    result = cradle()
+    result.title = "<Cradle>"
+    text = result._repr_html_()
+    assert "<strong>&lt;Cradle&gt;, 8 s</strong>" in text and ">valid</strong> amplitude" in text
+    assert text.count("<svg") == 1 and "<?xml" not in text and "line.tension" in text
+    assert text == result._repr_html_()
+    failed = Result("T", "", "auto", "failed", "no <step>", np.empty(0), {}, {})
+    assert failed._repr_html_() == (
+        '<div><p><strong>T</strong>: <strong style="color:#a3121d">failed</strong> no &lt;step&gt;</p></div>'
+    )

@@ -39,10 +39,10 @@ def test_times_saving_and_certificate(capsys: pytest.CaptureFixture[str], tmp_pa
 
 def test_json_and_parameters(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["route", "pacific", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["best_h"] == pytest.approx(210.80314293, rel=1e-9)
-    assert found["geodesic_h"] == pytest.approx(210.80314293, rel=1e-6)  # 240 chords
-    assert found["certified"] and found["kind"] == "extremal" and found["other_minima_h"] == []
+    document = json.loads(capsys.readouterr().out)
+    assert document["best_h"] == pytest.approx(210.80314293, rel=1e-9)
+    assert document["geodesic_h"] == pytest.approx(210.80314293, rel=1e-6)  # 240 chords
+    assert document["certified"] and document["kind"] == "extremal" and document["other_minima_h"] == []
     assert cli.main(["route", "pacific", "--parameters", "best"]) == 0
     shown = capsys.readouterr().out
     assert "duration = 758891" in shown and "heading_24" in shown
@@ -88,7 +88,7 @@ def test_failures_give_reasons_and_no_route(tmp_path: Path, capsys: pytest.Captu
     assert "did not converge" in capsys.readouterr().err
     assert cli.main(["route", "storm", "--map", "x.gif"]) == 2
     assert cli.main(["route", "nowhere"]) == 2
-    assert "shipped routes: pacific, storm" in capsys.readouterr().err
+    assert "known routes: pacific, storm" in capsys.readouterr().err
 
 
 # ---- forecasts ----------------------------------------------------------------------------------------------------------
@@ -147,11 +147,11 @@ def test_land_is_forbidden_and_the_route_goes_around(tmp_path: Path, capsys: pyt
         '[ship]\nspeed = "19.3 kn"\n[sea]\nkind = "file"\nfile = "waves.nc"\n', "utf-8",
     )  # fmt: skip
     assert cli.main(["route", str(tmp_path / "route.toml"), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["kind"] == "corridor" and found["geodesic_h"] is None
-    assert any("forbidden area" in note for note in found["notes"])
+    document = json.loads(capsys.readouterr().out)
+    assert document["kind"] == "corridor" and document["geodesic_h"] is None
+    assert any("forbidden area" in note for note in document["notes"])
     given = load(tmp_path / "route.toml").problem
-    assert found["best_h"] * 19.3 > 1.02 * found["distance_nmi"]
+    assert document["best_h"] * 19.3 > 1.02 * document["distance_nmi"]
     assert bool(given.areas[0].contains(*(np.array([v]) for v in given.medium.map.to_plane(0.75, math.radians(-33.0))))[0])  # type: ignore[union-attr]
 
 

@@ -12,11 +12,13 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from towage.errors import FmuError, RunError, SceneError, TowageError
 from towage.scene import scene as scene_module
-from towage.scene.resolve import Connection, ResolvedScene
+from towage.scene.resolve import ResolvedConnection, ResolvedScene, check_all, described
 from towage.scene.scene import Scene, available_scenes
+from towage.units.store import Locate
 
 FEET = 0.3048
 UNIT_DEFINITIONS = '<Unit name="furlong"><BaseUnit m="1" factor="201.168"/></Unit><Unit name="odd"/>'
@@ -110,7 +112,13 @@ def resolve(content: dict[str, Any], fmus: Path) -> ResolvedScene:
             raise KeyError(name)
         return fmus / f"{name}.fmu"
 
-    return Scene.from_dict(content).resolve(locate)
+    return _checked(Scene.from_dict(content), locate)
+
+
+def _checked(scene: Scene, locate: Locate) -> ResolvedScene:
+    """The scene itself resolved, after all of its cases were checked too."""
+    check_all(scene, locate)
+    return described(scene, locate)
 
 
 def refused(content: dict[str, Any], key: str, says: str) -> None:
@@ -130,7 +138,7 @@ def test_defaults_and_times() -> None:
     scene = Scene.from_dict(data(stop_time="2 min", coupling={"step": "100 ms"}))
     assert scene.stop_time == 120.0 and scene.coupling.step == 0.1 and scene.coupling.tolerance is None
     assert scene.coupling.scheme == "auto" and scene.coupling.events and scene.coupling.error_estimate
-    assert scene.record.interval is None and scene.record.variables is None and scene.checks.sdof is None
+    assert scene.record.interval is None and scene.record.variables is None and scene.checks.get("sdof") is None
     assert Scene.from_dict(data(stop_time=7)).stop_time == 7.0
 
 
@@ -172,8 +180,8 @@ set = { "ship.heave_period" = "8 s" }
     scene = Scene.load(path)
     assert scene.source == text and scene.file == path and scene.title == "Sea Cliff's cradle under Lulu"
     assert scene.connections == ("line.reaction -> ship.reaction",)
-    assert scene.checks.sdof is not None and scene.checks.sdof.cut == scene.connections
-    assert scene.checks.sdof.settle == 80.0 and scene.checks.report_only == ("line.margin_taut",)
+    assert scene.checks.get("sdof").cut == scene.connections
+    assert scene.checks.get("sdof").settle == 80.0 and scene.checks.report_only == ("line.margin_taut",)
     case = scene.case("8 s wave")
     assert case.units["ship"].parameters == {"heave_amplitude": "4.4 ft", "heave_period": "8 s"}
     assert case.source == text and case.file == path and case.coupling == scene.coupling
@@ -325,7 +333,7 @@ def test_resolved_connections_convert_between_units_of_one_dimension(fmus: Path)
     resolved = resolve(data(connections=["ship.heave -> line.top_feet", "ship.margin_sdof -> line.untyped"]), fmus)
     first, second = resolved.connections
     assert first[:4] == ("ship", "heave", "line", "top_feet") and first.factor == pytest.approx(1 / FEET, rel=1e-15)
-    assert second == Connection("ship", "margin_sdof", "line", "untyped", 1.0)
+    assert second == ResolvedConnection("ship", "margin_sdof", "line", "untyped", 1.0)
     assert str(second) == "ship.margin_sdof -> line.untyped"
 
 
@@ -355,10 +363,10 @@ def test_fmu_path_is_relative_to_the_scene_file(fmus: Path) -> None:
     def locate(name: str) -> Path:
         raise AssertionError(name)
 
-    resolved = Scene.from_dict(data(units=units), fmus / "scene.toml").resolve(locate)
+    resolved = described(Scene.from_dict(data(units=units), fmus / "scene.toml"), locate)
     assert resolved.units["ship"].path == fmus / "ship.fmu" == resolved.units["ship"].description.path
     with pytest.raises(SceneError, match="there is no file") as caught:
-        Scene.from_dict(data(units={"a": {"fmu": "none.fmu"}}, connections=[]), fmus / "scene.toml").resolve(locate)
+        described(Scene.from_dict(data(units={"a": {"fmu": "none.fmu"}}, connections=[]), fmus / "scene.toml"), locate)
     assert caught.value.key == "units.a.fmu"
 
 
@@ -366,7 +374,7 @@ def test_refused_fmu_and_errors_of_locate(fmus: Path, tmp_path: Path) -> None:
     (tmp_path / "broken.fmu").write_bytes(b"PK")
     scene = Scene.from_dict(data(units={"a": {"fmu": "broken.fmu"}}, connections=[]), tmp_path / "scene.toml")
     with pytest.raises(FmuError, match=r"broken\.fmu"):
-        scene.resolve(lambda name: Path(name))
+        described(scene, lambda name: Path(name))
     refused_when_resolved(data(units={"a": {"fmu": "shp"}}, connections=[]), fmus, "units.a.fmu", "no unit 'shp'")
 
 
@@ -471,7 +479,7 @@ def test_refused_against_the_units(fmus: Path, changes: dict[str, Any], key: str
 
 
 def test_everything_named_by_checks_may_exist(fmus: Path) -> None:
-    assert resolve(data(checks={"sdof": SDOF, "report_only": ["line.margin_taut"]}), fmus).scene.checks.sdof
+    assert resolve(data(checks={"sdof": SDOF, "report_only": ["line.margin_taut"]}), fmus).scene.checks.get("sdof")
 
 
 def looped(a: str = "looped", b: str = "looped", scheme: str = "auto", back: str = "y") -> dict[str, Any]:
@@ -521,7 +529,8 @@ def test_case_settings(fmus: Path) -> None:
     long, tight = scene.case("long"), scene.case("tight")
     assert (long.stop_time, long.record.interval, long.units["ship"].parameters) == (200.0, 1.0, {"mass": "1 t"})
     assert (tight.coupling.step, tight.coupling.tolerance, tight.coupling.scheme) == (None, 1e-6, "hermite")
-    assert scene.case("plain") == scene and long.cases == scene.cases and long.file == scene.file
+    assert scene.case("plain") == replace(scene, cases=(), chosen="plain") and long.file == scene.file
+    assert long.cases == () and long.chosen == "long"
     with pytest.raises(SceneError, match="unknown case 'lang'; did you mean 'long'"):
         scene.case("lang")
     assert resolve(data(cases=cases), fmus).scene.cases == scene.cases
@@ -531,8 +540,8 @@ def test_without_leaves_the_one_way_scene(fmus: Path) -> None:
     scene = Scene.from_dict(data(checks={"sdof": SDOF, "report_only": ["line.margin_taut"]}))
     one_way = scene.without(["line.tension->ship.reaction"])
     assert one_way.connections == ("ship.heave -> line.top",) and len(scene.connections) == 2
-    assert one_way.checks.sdof is None and one_way.checks.report_only == ("line.margin_taut",)
-    assert len(one_way.resolve(lambda name: fmus / f"{name}.fmu").connections) == 1
+    assert one_way.checks.get("sdof") is None and one_way.checks.report_only == ("line.margin_taut",)
+    assert len(described(one_way, lambda name: fmus / f"{name}.fmu").connections) == 1
     with pytest.raises(SceneError, match="did you mean 'ship.heave -> line.top'"):
         scene.without(["ship.heave -> line.tob"])
 
@@ -591,3 +600,49 @@ def test_round_trip_through_toml(stop_time: float, title: str) -> None:
     document = f'title = "{text}"\nstop_time = "{stop_time!r} s"\n[coupling]\ntolerance = 1e-3\n[units.a]\nfmu = "a"\n'
     scene = Scene.from_dict(tomllib.loads(document))
     assert (scene.title, scene.stop_time) == (title, stop_time)
+
+
+def test_a_case_is_a_scene_of_its_own_and_keeps_its_name() -> None:
+    cases = [{"name": "long", "set": {"stop_time": "200 s"}}, {"name": "other", "set": {"ship.mass": 1.0}}]
+    scene = Scene.from_dict(data(cases=cases))
+    long = scene.case("long")
+    assert (long.chosen, long.cases, scene.chosen) == ("long", (), "")
+    assert long.setting({"ship.mass": 2.0}, "test").chosen == "long"
+    with pytest.raises(SceneError, match="unknown case 'other'"):
+        long.case("other")
+
+
+def test_a_scene_is_its_tables() -> None:
+    whole = data(
+        checks={"sdof": SDOF, "report_only": ["line.margin_taut"]},
+        cases=[{"name": "long", "set": {"stop_time": "200 s"}}],
+        record={"interval": "1 s"},
+    )
+    scene = Scene.from_dict(whole)
+    tables = scene.to_dict()
+    assert Scene.from_dict(tables) == scene and tables["checks"]["sdof"]["settle"] == 0.0
+    assert tables["coupling"]["step"] == 0.1 and tables["coupling"]["tolerance"] is None
+
+
+def test_values_prevail_over_those_of_cases() -> None:
+    cases = [{"name": "a", "set": {"ship.mass": 1.0, "coupling.step": "1 s"}}, {"name": "b"}]
+    scene = Scene.from_dict(data(cases=cases)).with_values({"ship.mass": 3.0, "coupling.tolerance": 1e-4})
+    for name in "ab":
+        chosen = scene.case(name)
+        assert chosen.units["ship"].parameters["mass"] == 3.0
+        assert (chosen.coupling.step, chosen.coupling.tolerance) == (None, 1e-4)
+
+
+def test_variants_are_resolved_with_the_scene(fmus: Path) -> None:
+    resolved = resolve(data(checks={"sdof": SDOF}), fmus)
+    estimate, one_way = resolved.variants
+    assert (estimate.name, estimate.scene, estimate.coarse) == ("error estimate", None, True)
+    assert one_way.name == "one-way run" and not one_way.coarse
+    assert one_way.scene is not None and len(one_way.scene.connections) == 1 and one_way.scene.variants == ()
+    assert resolve(data(coupling={"step": 0.1, "error_estimate": False}), fmus).variants == ()
+    assert pickle.loads(pickle.dumps(resolved)) == resolved
+
+
+def test_checks_without_a_section_are_no_keys_of_a_scene() -> None:
+    for name in ("step", "error", "towing", "margins"):
+        refused(data(checks={name: {}}), f"checks.{name}", "unknown key")

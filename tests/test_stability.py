@@ -14,17 +14,18 @@ from towage import cli
 from towage.errors import SceneError
 from towage.models.slender.coefficients import Body
 from towage.scene.scene import Scene
-from towage.tow_stability import stability
+from towage.tow_stability import critical
+from towage.tow_stability.stability import bodies
 
 
 @pytest.fixture(autouse=True)
 def own_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A cache of maps of this test's own; FMUs stay where they are."""
-    monkeypatch.setattr(stability, "cache", lambda: tmp_path / "cache")
+    monkeypatch.setattr(critical, "cache", lambda: tmp_path / "cache")
 
 
 def test_row_of_the_thesis_body() -> None:
-    row = stability.row(Body(), u_max=8.0)
+    row = critical.row(Body(), u_max=8.0)
     assert row.yaw == pytest.approx([3.379995896844, 7.935305114211], rel=1e-9)
     assert [u for u, _, grows in row.flutter if grows] == pytest.approx(
         [4.155665957281, 4.676593643981, 7.115966593942], rel=1e-7  # 20 shape functions
@@ -34,53 +35,53 @@ def test_row_of_the_thesis_body() -> None:
 
 
 def test_a_stable_body_has_one_window() -> None:
-    assert stability.row(Body(tail_cut=0.4), u_max=6.0).stable == ((0.0, 6.0),)
+    assert critical.row(Body(tail_cut=0.4), u_max=6.0).stable == ((0.0, 6.0),)
 
 
 def test_map_is_cached_and_reports(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     heard: list[float] = []
     values = [0.4, 0.9]
-    first = stability.stability_map(Body(), "tail_cut", values, 5.0, lambda share, text: heard.append(share))
+    first = critical.stability_map(Body(), "tail_cut", values, 5.0, lambda share, text: heard.append(share))
     assert heard == [0.0, 0.5, 1.0]
     assert len(list((tmp_path / "cache" / "stability").glob("*.json"))) == 2
 
-    def never(*arguments: object, **options: object) -> stability.Row:
+    def never(*arguments: object, **options: object) -> critical.Row:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(stability, "row", never)
-    assert stability.stability_map(Body(), "tail_cut", values, 5.0) == first
+    monkeypatch.setattr(critical, "row", never)
+    assert critical.stability_map(Body(), "tail_cut", values, 5.0) == first
     for file in (tmp_path / "cache" / "stability").glob("*.json"):
         file.write_text("{broken", encoding="utf-8")
     with pytest.raises(AssertionError, match="computed again"):  # a damaged row is none
-        stability.stability_map(Body(), "tail_cut", values, 5.0)
+        critical.stability_map(Body(), "tail_cut", values, 5.0)
 
 
 def test_slenderness_keeps_the_drag_coefficients() -> None:
-    body = stability.varied(Body(normal_drag=0.4), "slenderness", 80.0)
+    body = critical.varied(Body(normal_drag=0.4), "slenderness", 80.0)
     assert (body.friction, body.normal_drag) == (2.0, 0.8)
     with pytest.raises(ValueError, match="more than 0.5"):
-        stability.varied(Body(), "slenderness", 20.0)
+        critical.varied(Body(), "slenderness", 20.0)
     with pytest.raises(ValueError, match="no map over"):
-        stability.varied(Body(), "mass_ratio", 0.3)
-    assert stability.default_values(Body(), "rope_length", 3) == pytest.approx([0.1, 1.0, 10.0])
+        critical.varied(Body(), "mass_ratio", 0.3)
+    assert critical.default_values(Body(), "rope_length", 3) == pytest.approx([0.1, 1.0, 10.0])
     for end in (0.001, 0.015, 0.2):  # every default map exists
         other = Body(end_length=end, slenderness=600.0)
-        for parameter in stability.RANGES:
-            assert all(stability.varied(other, parameter, v) for v in stability.default_values(other, parameter, 5))
+        for parameter in critical.RANGES:
+            assert all(critical.varied(other, parameter, v) for v in critical.default_values(other, parameter, 5))
 
 
 def test_argand_paths_start_with_rope_and_yaw() -> None:
-    paths = stability.argand(Body(), np.linspace(0.3, 2.0, 10), count=3)
+    paths = critical.argand(Body(), np.linspace(0.3, 2.0, 10), count=3)
     assert [bool(p.oscillates[0]) for p in paths] == [False, True, True]
 
 
 def test_bodies_of_a_scene() -> None:
-    (towed,) = stability.bodies(Scene.load("slender_yaw"))
+    (towed,) = bodies(Scene.load("slender_yaw"))
     assert towed.name == "body"
     assert towed.speed_scale == pytest.approx(0.75, rel=1e-9)
     assert towed.body.friction == pytest.approx(1.0, rel=1e-12)
     with pytest.raises(SceneError, match="slender_body"):
-        stability.bodies(Scene.load("sea_cliff"))
+        bodies(Scene.load("sea_cliff"))
 
 
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

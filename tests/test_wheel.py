@@ -36,7 +36,7 @@ def test_wheel_runs_a_scene_outside_the_repository(tmp_path):
     (wheel,) = (copy / "dist").glob("towage-*.whl")
     members = zipfile.ZipFile(wheel).namelist()
     assert {f"towage/shipped/{name}.fmu" for name in UNITS} <= set(members)
-    runtime = "towage/fmus/native/runtime/unit.h"
+    runtime = "towage/fmus/native/runtime/core/unit.h"
     for member in ("towage/scenes/sea_cliff.toml", "towage/models/heave/cradle.py", runtime, "towage/py.typed"):
         assert member in members
     place = tmp_path / "new"

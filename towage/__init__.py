@@ -15,10 +15,17 @@ import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from towage.api import run, run_all
+    from towage.ensemble.ensemble import Ensemble
     from towage.errors import FmuError, RunError, SceneError, TowageError
-    from towage.master.master import Master, run, run_all
+    from towage.frequency_response.response import response
+    from towage.master.master import Master
+    from towage.report.page import write_report
     from towage.result.result import Result
+    from towage.routing.route import route
     from towage.scene.scene import Scene
+    from towage.sweeps.sweep import Sweep, sweep
+    from towage.tow_stability.stability import stability
 
 for _link in ("models", "fmus"):
     if not os.path.isdir(os.path.join(os.path.dirname(__file__), _link)):
@@ -29,28 +36,42 @@ for _link in ("models", "fmus"):
 
 __version__ = "0.1.0"
 __all__ = [
+    "Ensemble",
     "FmuError",
     "Master",
     "Result",
     "RunError",
     "Scene",
     "SceneError",
+    "Sweep",
     "TowageError",
     "__version__",
+    "response",
+    "route",
     "run",
     "run_all",
+    "stability",
+    "sweep",
+    "write_report",
 ]
 
 _HOME = {
+    "Ensemble": "ensemble.ensemble",
     "FmuError": "errors",
     "Master": "master.master",
     "Result": "result.result",
     "RunError": "errors",
     "Scene": "scene.scene",
     "SceneError": "errors",
+    "Sweep": "sweeps.sweep",
     "TowageError": "errors",
-    "run": "master.master",
-    "run_all": "master.master",
+    "response": "frequency_response.response",
+    "route": "routing.route",
+    "run": "api",
+    "run_all": "api",
+    "stability": "tow_stability.stability",
+    "sweep": "sweeps.sweep",
+    "write_report": "report.page",
 }
 """The module of each public name."""
 

@@ -28,6 +28,7 @@ COMMANDS = {
     "response": "towage.commands.response",
     "route": "towage.commands.route",
     "sweep": "towage.commands.sweep",
+    "new": "towage.commands.new",
 }
 INTERRUPTED = 130
 """128 + SIGINT, as shells have it."""

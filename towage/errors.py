@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+
+
+def suggest(word: str, known: Iterable[str]) -> str:
+    """The question "did you mean", with names in ``known`` that are like ``word``; empty if none is."""
+    import difflib  # takes 3 ms, and is needed for messages only
+
+    close = difflib.get_close_matches(word, list(known), n=2, cutoff=0.6)
+    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
 
 class TowageError(Exception):

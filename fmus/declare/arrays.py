@@ -19,17 +19,17 @@ def array_name(element: str) -> str:
 def lengths(variables: Iterable[Variable]) -> list[int]:
     """How many elements the FMI 3 reference of each variable delivers: 1 of a scalar, n of an array at its first element,
     0 at its others."""
-    found: list[int] = []
+    counts: list[int] = []
     first, array = 0, ""
     for i, v in enumerate(variables):
         element = _ELEMENT.fullmatch(v.name)
         if element and int(element[2]) == i - first + 1 and array_name(v.name) == array:
-            found[first] += 1
-            found.append(0)
+            counts[first] += 1
+            counts.append(0)
         else:
             first, array = i, array_name(v.name) if element and int(element[2]) == 1 else ""
-            found.append(1)
-    return found
+            counts.append(1)
+    return counts
 
 
 def array_of(counts: Sequence[int], reference: int) -> int:

@@ -11,16 +11,16 @@ What no trace finds the model declares (``also``): functions that work on floats
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from ...models.numeric.dependence import TRACED, Traced, degrees_of, joined
 from ...models.numeric.matrix_ops import numbers
-from ...models.protocol.linear_model import LinearModel
 from ...models.protocol.model import AnyModel
 from ...models.protocol.variables import EVERY_INPUT, Quantity, quantities
 from .unit import Unit
+
+if TYPE_CHECKING:
+    from ...models.protocol.linear_model import LinearModel
 
 
 def dependencies(unit: Unit) -> Mapping[str, tuple[str, ...]]:
@@ -29,7 +29,7 @@ def dependencies(unit: Unit) -> Mapping[str, tuple[str, ...]]:
         return unit.depends
     order = [v.name for v in unit.inputs]
     declared = {name: declared_inputs(unit, q) for name, q in quantities(unit.model.Outputs).items()}
-    return {n: tuple(k for k in order if k in found | declared[n]) for n, found in derived(unit).items()}
+    return {n: tuple(k for k in order if k in traced | declared[n]) for n, traced in derived(unit).items()}
 
 
 def declared_inputs(unit: Unit, quantity: Quantity) -> set[str]:
@@ -77,10 +77,9 @@ def _linear(linear: LinearModel, start: Mapping[str, float | None]) -> tuple[Any
         tuple(Traced() for _ in value) if isinstance(value, tuple) else Traced() for value in setup.constants
     ))  # fmt: skip
     v, v_rate, _ = linear.core(own, u, u, traced, constants, TRACED)
-    filled_d, filled_e = (np.asarray(matrix) != 0.0 for matrix in (setup.d, setup.e))
     y = [
-        joined(*(a for a, filled in zip(v, d) if filled), *(b for b, filled in zip(v_rate, e) if filled))
-        for d, e in zip(filled_d, filled_e)
+        joined(*(a for a, entry in zip(v, d) if entry != 0.0), *(b for b, entry in zip(v_rate, e) if entry != 0.0))
+        for d, e in zip(setup.d.tolist(), setup.e.tolist())
     ]
     growth = linear.schedule(u, traced, constants, TRACED) if linear.schedule else Traced()
     rates = [Traced() for _ in y]

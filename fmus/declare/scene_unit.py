@@ -94,7 +94,7 @@ def scene_unit(name: str, description: str, parts: Sequence[Part], connections: 
 def _dependencies(parts: Sequence[Part], connections: Sequence[Connection]) -> dict[str, tuple[str, ...]]:
     """The open inputs of the scene that act on each output without delay: those of its unit, through connections."""
     inner = {c.target: c.source for c in connections}
-    direct = {(part.name, name): found for part in parts for name, found in dependencies(part.unit).items()}
+    direct = {(part.name, name): inputs for part in parts for name, inputs in dependencies(part.unit).items()}
 
     def reached(part: str, output: str, seen: frozenset[tuple[str, str]] = frozenset()) -> set[str]:
         names: set[str] = set()
@@ -105,5 +105,5 @@ def _dependencies(parts: Sequence[Part], connections: Sequence[Connection]) -> d
                 names |= reached(*inner[part, source], seen | {(part, source)})
         return names
 
-    found = {f"{part}.{name}": tuple(sorted(reached(part, name))) for part, name in direct}
-    return found | {"next_event_time": ()}
+    outputs = {f"{part}.{name}": tuple(sorted(reached(part, name))) for part, name in direct}
+    return outputs | {"next_event_time": ()}

@@ -138,11 +138,11 @@ def _all(kind: Any) -> tuple[Variable, ...]:
     """The variables of ``kind``, each field of which must have a record."""
     if kind is None:
         return ()
-    found = quantities(kind)
-    bare = [f for f in getattr(kind, "_fields", kind.__annotations__) if f not in found]
+    records = quantities(kind)
+    bare = [f for f in getattr(kind, "_fields", kind.__annotations__) if f not in records]
     if bare:
         raise TypeError(f"{kind.__module__}.{kind.__qualname__}: {', '.join(bare)} has no record of unit and meaning")
-    return tuple(named(name, quantity) for name, quantity in found.items())
+    return tuple(named(name, quantity) for name, quantity in records.items())
 
 
 def load(name: str) -> Unit:

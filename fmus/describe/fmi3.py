@@ -100,8 +100,8 @@ def _structure(node: Element, interface: Interface, counts: Sequence[int]) -> No
 
     def known(elements: Iterable[int]) -> str:
         """On what any of the elements depends; on time, as far as is known, each may."""
-        found = {array_of(counts, k) for i in elements for k in interface.depends(i)}
-        return " ".join(map(str, [*sorted(found), time]))
+        references = {array_of(counts, k) for i in elements for k in interface.depends(i)}
+        return " ".join(map(str, [*sorted(references), time]))
 
     for title, references in (("Output", outputs), ("ContinuousStateDerivative", derivatives)):
         for i in references:

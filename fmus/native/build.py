@@ -8,18 +8,24 @@ from __future__ import annotations
 
 import hashlib
 import uuid
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
+import casadi as ca
+
 from ..declare.unit import Unit, load
 from ..describe import archive as archive_writer
-from ..describe.documentation import documentation_page, reference_result
+from ..describe.documentation import documentation_page
 from ..describe.fmi2 import document, native_model_description
 from ..describe.fmi3 import model_description3
-from ..python.build import NAMESPACE
+from ..python.build import FOLDERS, NAMESPACE
+from ..python.reference import reference_result
 from . import compiler
+from .constants import constants_header
 from .source import model_source, unit_source
+from .stages import runtime_stages
 from .trace import trace
 from .traced import Traced
 
@@ -27,10 +33,12 @@ RUNTIME = Path(__file__).resolve().parent / "runtime"
 
 
 def runtime_sources(fmi: int) -> dict[str, bytes]:
-    """The C files of the runtime, without those of the other version of FMI."""
+    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, and those that are
+    made from Python. The archive has them in one folder: FMI 2 names files in ``sources/`` alone."""
     other = "fmi3" if fmi == 2 else "fmi2"
-    files = [file for kind in ("*.c", "*.h") for file in RUNTIME.glob(kind)]
-    return {file.name: file.read_bytes() for file in sorted(files) if not file.name.startswith(other)}
+    files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name != other)
+    made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
+    return {file.name: file.read_bytes() for file in files} | made
 
 
 def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
@@ -42,15 +50,15 @@ def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
 
     def members(token: str) -> dict[str, bytes]:
         all_sources = sources | {"unit.c": unit_source(traced, token).encode()}
-        found = {f"sources/{file}": text for file, text in all_sources.items()}
+        archive = {f"sources/{file}": text for file, text in all_sources.items()}
         if fmi == 2:
-            found["modelDescription.xml"] = native_model_description(interface, name, token, files)
+            archive["modelDescription.xml"] = native_model_description(interface, name, token, files)
         else:
-            found["modelDescription.xml"] = model_description3(interface, name, token)
-            found["sources/buildDescription.xml"] = build_description(name, files)
-        found["documentation/index.html"] = documentation_page(interface.as_built, interface.variables).encode()
-        found[f"documentation/{name}_ref.csv"] = reference.encode()
-        return found
+            archive["modelDescription.xml"] = model_description3(interface, name, token)
+            archive["sources/buildDescription.xml"] = build_description(name, files)
+        archive["documentation/index.html"] = documentation_page(interface.as_built, interface.variables).encode()
+        archive[f"documentation/{name}_ref.csv"] = reference.encode()
+        return archive
 
     digest = hashlib.sha256(" ".join(compiler.FLAGS).encode())
     for member, text in sorted(members("").items()):
@@ -74,9 +82,35 @@ def build(
     """Build the unit's FMU into ``directory``; returns (path, whether it had to be written).
 
     An FMU of the same sources that holds libraries of the same platforms is left alone. ``structure`` gives the values
-    of structural parameters. Raises `trace.NotNative` and `compiler.CompileError`.
+    of structural parameters. Raises `traced.NotNative` and `compiler.CompileError`.
+
+    Tracing takes seconds. A file ``.<name>.built`` beside the FMU keeps the digests of all that it was made from and of the
+    FMU itself; while both hold, nothing is traced.
     """
-    return build_unit(load(name), directory, fmi, platforms, structure)
+    path, note = directory / f"{name}.fmu", directory / f".{name}.built"
+    made_from = digest_of_sources(name, fmi, compiler.chosen(platforms), structure or {})
+    if note.is_file() and path.is_file() and note.read_text() == f"{made_from} {_digest(path.read_bytes())}\n":
+        return path, False
+    path, written = build_unit(load(name), directory, fmi, platforms, structure)
+    with suppress(OSError):  # without the note the next call traces again, that is all
+        note.write_text(f"{made_from} {_digest(path.read_bytes())}\n")
+    return path, written
+
+
+def digest_of_sources(
+    name: str, fmi: int, platforms: Iterable[compiler.Platform], structure: Mapping[str, float]
+) -> str:
+    """Digest of everything from which a unit's FMU is made: models, declarations, runtime, CasADi and what was asked for."""
+    parts = [name, fmi, *platforms, sorted(structure.items()), compiler.FLAGS, ca.CasadiMeta.version()]
+    for folder in FOLDERS.values():
+        for file in sorted(folder.rglob("*.*")):
+            if file.suffix in (".py", ".c", ".h"):
+                parts.append((file.relative_to(folder).as_posix(), _digest(file.read_bytes())))
+    return _digest(repr(parts).encode())
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
 
 
 def build_unit(
@@ -93,9 +127,9 @@ def package(traced: Traced, reference: str, directory: Path, fmi: int, platforms
     targets = compiler.chosen(platforms)
     members = contents(traced, fmi, reference)
     path = directory / f"{name}.fmu"
-    found = archive_writer.read(path)
+    there = archive_writer.read(path)
     wanted = set(members) | set(compiler.members(name, targets, fmi))
-    if set(found) == wanted and all(found[member] == text for member, text in members.items()):
+    if set(there) == wanted and all(there[member] == text for member, text in members.items()):
         return path, False
     sources = {m.removeprefix("sources/"): text for m, text in members.items() if m.endswith((".c", ".h"))}
     archive_writer.write(path, members | compiler.libraries(sources, name, targets, fmi))

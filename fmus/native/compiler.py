@@ -79,22 +79,22 @@ def chosen(names: str) -> tuple[Platform, ...]:
 
 def members(name: str, platforms: Iterable[Platform], fmi: int) -> dict[str, list[Platform]]:
     """The libraries of an archive, each with the platforms whose slices it joins."""
-    found: dict[str, list[Platform]] = {}
+    joined: dict[str, list[Platform]] = {}
     for each in platforms:
         folder = each.fmi2 if fmi == 2 else each.fmi3
-        found.setdefault(f"binaries/{folder}/{name}{each.suffix}", []).append(each)
-    return found
+        joined.setdefault(f"binaries/{folder}/{name}{each.suffix}", []).append(each)
+    return joined
 
 
 def libraries(
     sources: Mapping[str, bytes], name: str, platforms: Iterable[Platform], fmi: int
 ) -> dict[str, bytes]:
     """The libraries as members of the archive. Raises `CompileError`."""
-    found = {}
+    built = {}
     for member, targets in members(name, platforms, fmi).items():
         slices = [library(sources, name, target) for target in targets]
-        found[member] = slices[0] if len(slices) == 1 else universal(slices)
-    return found
+        built[member] = slices[0] if len(slices) == 1 else universal(slices)
+    return built
 
 
 def library(sources: Mapping[str, bytes], name: str, target: Platform) -> bytes:

@@ -1,4 +1,4 @@
-"""C text of a traced unit: ``unit.c``, its sizes, variables and functions in the form of ``native/runtime/unit.h``, and
+"""C text of a traced unit: ``unit.c``, its sizes, variables and functions in the form of ``native/runtime/core/unit.h``, and
 ``model.c``, the functions themselves."""
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import casadi as ca
 from ..declare.arrays import lengths
 from ..declare.unit import Variable
 from .c_text import array, declaration, entry, initializer, number, text
+from .constants import CAUSALITIES
 from .source_linear import linear_text
 from .traced import Traced
 
-CAUSALITY = {"parameter": "PARAMETER", "calculatedParameter": "CALCULATED", "input": "INPUT", "output": "OUTPUT",
-             "local": "LOCAL"}  # fmt: skip
+CAUSALITY = {causality: name for name, causality in CAUSALITIES.items()}
 UNIT_FUNCTIONS = (
     "setup", "required", "calculate", "initial", "derivatives", "advance", "indicate", "change", "next_event",
     "outputs", "derivatives_forward", "outputs_forward",
@@ -47,6 +47,7 @@ def unit_source(traced: Traced, token: str) -> str:
     fields = {
         "name": text(unit.name),
         "token": text(token),
+        "first": "{" + ", ".join(f".{kind} = {place.start}" for kind, place in interface.layout._asdict().items()) + "}",
         **{name: str(size) for name, size in sizes.items()},
         "variable": "variable",
         "rate": "rate",

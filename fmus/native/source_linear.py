@@ -1,4 +1,4 @@
-"""C text of ``linear``, which describes a linear unit's matrices in the form of ``Linear`` in ``native/runtime/unit.h``."""
+"""C text of ``linear``, which describes a linear unit's matrices in the form of ``Linear`` in ``native/runtime/core/unit.h``."""
 
 from __future__ import annotations
 

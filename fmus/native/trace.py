@@ -1,8 +1,8 @@
 """Traces a unit's model functions to C: CasADi symbols go in, an expression of their results comes out.
 
-Every function takes the arguments that ``native/runtime/unit.h`` lists, vectors as dense columns, and gets its derivatives by
-forward differentiation where the runtime asks for them. The functions read nothing but their arguments, so the C text
-follows from the model alone: the same model gives the same text, byte for byte.
+Every function takes the arguments that ``native/runtime/core/unit.h`` lists, vectors as dense columns, and gets its
+derivatives by forward differentiation where the runtime asks for them. The functions read nothing but their arguments, so
+the C text follows from the model alone: the same model gives the same text, byte for byte.
 """
 
 from __future__ import annotations

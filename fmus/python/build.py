@@ -1,24 +1,30 @@
-"""Builds the Python flavour: PythonFMU's bridge around an unmodified, privately named copy of the unit's modules.
+"""Builds the Python flavour: PythonFMU's bridge around a privately named copy of the unit's modules.
 
 Two FMUs in one process that carry modules of one name share the first one's code, so every FMU stages the modules it
-needs under ``<unit>_<hash of their text>``. Everything in the archive follows from the sources: two builds are
-byte-identical.
+needs under ``<unit>_<hash of their text>``. The copy is unmodified but for one thing: a unit of another package imports
+``from towage.models...`` and from its own package by full names, which are led to the copies. Everything in the archive
+follows from the sources: two builds are byte-identical.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
+import importlib.util
 import uuid
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-from ..declare.unit import Unit, load
+from ..declare.unit import BuildError, Unit, load
 from ..describe import archive as archive_writer
-from ..describe.documentation import documentation_page, reference_result
+from ..describe.documentation import documentation_page
 from ..describe.fmi2 import model_description
+from .reference import reference_result
 
 FOLDERS = {"fmus": Path(__file__).resolve().parents[1], "models": Path(__file__).resolve().parents[2] / "models"}
+TOWAGE = (__package__ or "").partition(".")[0]
+"""The package that holds ``fmus`` and ``models``, by which other packages import from them."""
 OPTIONS = {
     "needsExecutionTool": "false",
     "canHandleVariableCommunicationStepSize": "true",
@@ -31,47 +37,110 @@ OPTIONS = {
 NAMESPACE = uuid.UUID("6d0cf5bc-7c1e-5f52-9c55-3a1fd5f3f6a1")
 
 
-def staged_modules(unit_name: str) -> dict[str, bytes]:
-    """Text of every module that the unit's slave imports, by path inside the private package."""
-    todo = [f"fmus.{unit_name}", "fmus.python.slave"]
-    found: dict[str, bytes] = {"__init__.py": b""}
+def shipped_place(name: str) -> str:
+    """Where the declaration of a shipped unit is, as "module:attribute" below the private package."""
+    return f"fmus.{name}:UNIT"
+
+
+def staged_modules(unit_name: str, place: str = "") -> dict[str, bytes]:
+    """Text of every module that the unit's slave imports, by path inside the private package.
+
+    ``place``, "module:attribute", is where the unit's declaration is; default: that of a shipped unit. Modules of its own
+    top-level package are carried too, and what they import from ``towage.fmus`` and ``towage.models``. Raises `BuildError`
+    for an import that cannot be made private.
+    """
+    start = (place or shipped_place(unit_name)).partition(":")[0]
+    todo = [start, "fmus.python.slave"]
+    staged: dict[str, bytes] = {"__init__.py": b""}
     while todo:
         module = todo.pop()
         file = _file(module)
         name = "/".join(module.split(".")) + ("/__init__.py" if file.name == "__init__.py" else ".py")
-        if name in found:
+        if name in staged:
             continue
-        found[name] = text = file.read_bytes()
+        staged[name] = text = file.read_bytes()
         package = module if file.name == "__init__.py" else module.rpartition(".")[0]
-        if module != package:
-            todo.append(package)
-        elif "." in package:
-            todo.append(package.rpartition(".")[0])
-        for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.ImportFrom) and node.level:
-                parts = package.split(".")
-                base = ".".join([*parts[: len(parts) - node.level + 1], *(node.module or "").split(".")]).strip(".")
-                members = [f"{base}.{alias.name}" for alias in node.names]
-                todo += [member for member in members if _file(member).is_file()] or [base]
-    return found
+        todo += [outer] if (outer := module.rpartition(".")[0]) else []
+        for base, names in _imports(text, module, package, start.partition(".")[0]):
+            members = [f"{base}.{member}" for member in names]
+            todo += [member for member in members if _file(member).is_file()] or [base]
+    return staged
+
+
+def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple[str, list[str]]]:
+    """(module, names) of every import in ``text`` that the FMU must carry; ``own`` is the unit's top-level package."""
+    for node in _executed(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if _carried(alias.name, own):
+                    raise BuildError(
+                        f"{module}, line {node.lineno}: 'import {alias.name}' cannot be carried by an FMU: write "
+                        f"'from ... import ...'"
+                    )
+        if not isinstance(node, ast.ImportFrom):
+            continue
+        names = [alias.name for alias in node.names]
+        if node.level:
+            parts = package.split(".")
+            yield ".".join([*parts[: len(parts) - node.level + 1], *(node.module or "").split(".")]).strip("."), names
+        elif carried := _carried(node.module or "", own):
+            yield carried, names
+
+
+def _executed(node: ast.AST) -> Iterator[ast.AST]:
+    """``node`` and all below it but what stands there for type checkers alone."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
+            yield from _executed(child)
+
+
+def _carried(module: str, own: str) -> str:
+    """Where a module that is imported by its full name lives in the private package; "" if the FMU does not carry it."""
+    top, _, rest = module.partition(".")
+    if top == TOWAGE and rest.partition(".")[0] in FOLDERS:
+        return rest
+    return module if top == own and own not in FOLDERS else ""
+
+
+def _made_private(text: bytes, package: str, own: str) -> bytes:
+    """``text`` with the full names of carried modules led into the private package; otherwise unmodified."""
+    lines = text.splitlines(keepends=True)
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and not node.level and (carried := _carried(node.module or "", own)):
+            line, name = node.lineno - 1, (node.module or "").encode()
+            begin = lines[line].index(name, node.col_offset)
+            lines[line] = lines[line][:begin] + f"{package}.{carried}".encode() + lines[line][begin + len(name) :]
+    return b"".join(lines)
 
 
 def _file(module: str) -> Path:
-    """The file of a module or package ``fmus...`` or ``models...``."""
+    """The file of a module or package ``fmus...``, ``models...``, or of the package that brings the unit."""
     folder, *rest = module.split(".")
-    place = FOLDERS[folder].joinpath(*rest)
+    place = (FOLDERS.get(folder) or _installed(folder)).joinpath(*rest)
     return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
 
 
-def contents(unit: Unit) -> dict[str, bytes]:
-    """The members of the unit's FMU."""
-    modules = staged_modules(unit.name)
+def _installed(package: str) -> Path:
+    """The folder of an installed package, or its only file without suffix."""
+    spec = importlib.util.find_spec(package)
+    if spec is None or not spec.origin:
+        raise BuildError(f"the unit's package {package!r} has no files that an FMU could carry")
+    file = Path(spec.origin)
+    return file.parent if file.name == "__init__.py" else file.with_suffix("")
+
+
+def contents(unit: Unit, place: str = "") -> dict[str, bytes]:
+    """The members of the FMU of the unit declared at ``place``; default: that of a shipped unit. Raises `BuildError`."""
+    place = place or shipped_place(unit.name)
+    own = place.partition(".")[0].partition(":")[0]
+    modules = staged_modules(unit.name, place)
     digest = hashlib.sha256()
     for name in sorted(modules):
         digest.update(name.encode() + b"\0" + modules[name] + b"\0")
     package = f"{unit.name}_{digest.hexdigest()[:12]}"
-    script = f"from {package}.fmus.python.slave import slave\n\n{unit.name} = slave({unit.name!r}, globals())\n"
-    members = {f"resources/{package}/{name}": text for name, text in modules.items()}
+    script = f"from {package}.fmus.python.slave import slave\n\n{unit.name} = slave({place!r}, globals())\n"
+    members = {f"resources/{package}/{name}": _made_private(text, package, own) for name, text in modules.items()}
     members[f"resources/{package}_fmu.py"] = script.encode()
     members["resources/slavemodule.txt"] = f"{package}_fmu\n".encode()
     members["documentation/index.html"] = documentation_page(unit).encode()
@@ -88,22 +157,27 @@ def contents(unit: Unit) -> dict[str, bytes]:
 def _binaries(identifier: str) -> dict[str, bytes]:
     """PythonFMU's bridge for every platform it ships."""
     files = metadata.files("pythonfmu") or []
-    found = {}
+    libraries = {}
     for file in files:
         if file.suffix in (".so", ".dll", ".dylib") and "binaries" in file.parts:
-            found[f"binaries/{file.parent.name}/{identifier}{file.suffix}"] = Path(str(file.locate())).read_bytes()
-    if not found:
+            libraries[f"binaries/{file.parent.name}/{identifier}{file.suffix}"] = Path(str(file.locate())).read_bytes()
+    if not libraries:
         raise FileNotFoundError("PythonFMU is installed without its binaries: reinstall pythonfmu 0.7")
-    return found
+    return libraries
 
 
 def build(name: str, directory: Path) -> tuple[Path, bool]:
-    """Build the unit's FMU into ``directory``; returns (path, whether it had to be written).
+    """Build the FMU of the shipped unit ``name`` into ``directory``; returns (path, whether it had to be written).
 
-    An FMU of the same content is left alone.
+    An FMU of the same content is left alone. Raises `BuildError`.
     """
-    members = contents(load(name))
-    path = directory / f"{name}.fmu"
+    return build_unit(load(name), shipped_place(name), directory)
+
+
+def build_unit(unit: Unit, place: str, directory: Path) -> tuple[Path, bool]:
+    """As `build`, for the unit declared at ``place``."""
+    members = contents(unit, place)
+    path = directory / f"{unit.name}.fmu"
     if archive_writer.read(path) == members:
         return path, False
     archive_writer.write(path, members)

@@ -28,9 +28,9 @@ from ...models.protocol.model import AnyModel, Record
 MODELS = ops.__name__.removesuffix("numeric.ops")
 STEPPED = (
     "derivatives", "outputs", "advance", "indicators", "transition", "next_event_time",
-    "drive", "core", "observe", "own_after", "schedule", "check_step",
+    "drive", "core", "observe", "own_after", "own_rates", "schedule", "check_step",
 )  # fmt: skip
-"""Functions that take components by position: those that are called in every step."""
+"""All functions that take states, modes or inputs; the others see parameters alone, once."""
 BY_POSITION = ("derivatives", "outputs", "transition", "advance", "observe")
 """Functions whose results are read by position."""
 
@@ -54,10 +54,15 @@ def _inlined_functions(record: Record) -> dict[str, Any]:
 def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of a module, inlined with all of its module; any other as it is."""
     module = sys.modules.get(function.__module__)
-    if module is None or not module.__name__.startswith(MODELS) or vars(module).get(function.__name__) is not function:
+    if module is None or not _of_models(module) or vars(module).get(function.__name__) is not function:
         return function
     inlined: Callable[..., Any] = getattr(inlined_module(module), function.__name__)
     return inlined
+
+
+def _of_models(module: ModuleType) -> bool:
+    """Whether a module holds functions of values: those of the models, and of other packages that bring units."""
+    return module.__name__.startswith(MODELS) or hasattr(module, "Ops")
 
 
 @cache
@@ -65,7 +70,7 @@ def inlined_module(module: ModuleType) -> Any:
     """The names of ``module``, with its functions, and those that take ``ops`` of what it imports, for floats."""
     names = dict(vars(module))
     for name, value in vars(module).items():
-        if isinstance(value, ModuleType) and value.__name__.startswith(MODELS) and hasattr(value, "Ops"):
+        if isinstance(value, ModuleType) and hasattr(value, "Ops"):
             names[name] = inlined_module(value)
         elif isinstance(value, FunctionType) and value.__annotations__.get("ops") == "Ops":
             names[name] = _inlined(value) if value.__module__ != module.__name__ else value

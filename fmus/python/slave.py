@@ -10,13 +10,14 @@ and fmi2FreeInstance at any time. It does not survive a null pointer for a state
 deserialised, so bytes of another unit are refused when they are set. A host that calls several instances from several
 threads gets them one after the other, as Python has one lock.
 
-Three faults of PythonFMU 0.7 are made good here; all are about memory (`slave`, `Fmi2Slave._fatal`, `_release_at_exit`).
+Three faults of PythonFMU 0.7 are mended here, all of memory (`slave`, `Fmi2Slave._fatal`, `_release_at_exit`).
 """
 
 from __future__ import annotations
 
 import atexit
 import ctypes
+import importlib
 import json
 import os
 import sys
@@ -25,7 +26,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..declare.unit import Unit, load
+from ..declare.unit import Unit
 from .instance import Instance
 from .values import FAILED, CallError, StepError
 
@@ -35,7 +36,7 @@ BUILD = (__package__ or "").partition(".")[0]
 
 
 class Message:
-    """A log entry as the bridge reads it."""
+    """A message of the log as the bridge reads it."""
 
     def __init__(self, status: int, category: str, msg: str) -> None:
         self.status, self.category, self.msg = status, category, msg
@@ -174,12 +175,15 @@ class Fmi2Slave:
 
 
 @cache
-def _slave_class(unit_name: str) -> type:
-    return type(unit_name, (Fmi2Slave,), {"unit": load(unit_name)})
+def _slave_class(place: str) -> type:
+    module, _, attribute = place.partition(":")
+    unit: Unit = getattr(importlib.import_module(f"{BUILD}.{module}"), attribute)
+    return type(unit.name, (Fmi2Slave,), {"unit": unit})
 
 
-def slave(unit_name: str, script: dict[str, Any]) -> type:
-    """The class that the FMU's script names. ``script`` is the namespace of the script.
+def slave(place: str, script: dict[str, Any]) -> type:
+    """The class that the FMU's script names, of the unit declared at ``place``, "module:attribute" below the private
+    package. ``script`` is the namespace of the script.
 
     The bridge runs the script once at import and once an instance, and drops a reference to its namespace each time
     that it does not own (PythonFMU 0.7: ``Py_DECREF`` of ``PyModule_GetDict``); a second instance would find the
@@ -187,7 +191,7 @@ def slave(unit_name: str, script: dict[str, Any]) -> type:
     lets go of a class it has seen.
     """
     _add_reference(script)
-    return _slave_class(unit_name)
+    return _slave_class(place)
 
 
 _bridges: set[str] = set()

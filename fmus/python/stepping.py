@@ -10,7 +10,7 @@ from typing import Any
 
 from ...models.numeric.integrate import IntegrationError, integrate
 from ...models.numeric.ops import FLOATS, NEVER
-from .values import PHASES, STEPPING, CallError, StepError, Values
+from .values import EVENT_TOLERANCE, PHASES, STEPPING, CallError, StepError, Values
 
 TIME_TOLERANCE = 1e-9
 """How far the time of a step may be from where the last one ended, relative to 1 s + |t|."""
@@ -57,7 +57,7 @@ class Stepping(Values):
         while self._next_event:
             event = self._next_event(time + done, self._m, self._p, FLOATS)
             due = event - time
-            if not done < due < step * (1.0 - 1e-12):
+            if not done < due < step * (1.0 - EVENT_TOLERANCE):
                 break
             self._integrate(time, done, due)
             done = due
@@ -91,6 +91,7 @@ class Stepping(Values):
             return derivatives(time + s, x, m, inputs(s), p, FLOATS)
 
         def crossings(s: float, x: tuple[float, ...]) -> Any:
+            assert indicators is not None
             return indicators(time + s, x, m, inputs(s), p, FLOATS)
 
         def change(s: float, x: tuple[float, ...]) -> tuple[float, ...]:
@@ -102,7 +103,8 @@ class Stepping(Values):
 
         try:
             self._x, self._first_step = integrate(
-                rates, start, self._x, end, rtol=self._rtol, atol=self._atol, indicators=crossings, on_event=change,
+                rates, start, self._x, end, rtol=self._rtol, atol=self._atol,
+                indicators=crossings if indicators else None, on_event=change if transition else None,
                 first_step=self._first_step,
             )  # fmt: skip
         except IntegrationError as error:

@@ -16,9 +16,9 @@ cable at 6 kn: the waveform of the top tension is 1, 5 and 10 % wrong at v/c = 0
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from ..numeric.ops import FLOATS, Ops, Value
 from ..protocol.model import Requirement
@@ -26,6 +26,7 @@ from ..protocol.variables import Quantity, parameter, tunable
 from .case import Body, Cable, CableError, Tow, TracedTow, requirements
 from .loading import Loading, cross_flow, eames
 
+P = TypeVar("P")
 EAMES, CROSS_FLOW, GENERAL = range(3)
 """Values of ``loading_form``."""
 LOADING_FORMS = "loading_form: expected 0 (Eames), 1 (cross-flow) or 2 (ten coefficients)"
@@ -170,3 +171,16 @@ def tow_requirements(p: TowParameters, ops: Ops) -> list[Requirement]:
     """What the parameters of a tow must fulfil."""
     form = ops.where(p.loading_form * (p.loading_form - CROSS_FLOW) * (p.loading_form - GENERAL) == 0.0, 1.0, 0.0)
     return [(form, LOADING_FORMS), *requirements(traced_tow(p, ops), ops)]
+
+
+def refusal_by(prepare: Callable[[P], object]) -> Callable[[P], str]:
+    """Why there is no such tow, empty if there is: the message of the `CableError` that ``prepare(parameters)`` raises."""
+
+    def refusal(p: P) -> str:
+        try:
+            prepare(p)
+        except CableError as error:
+            return str(error)
+        return ""
+
+    return refusal

@@ -133,23 +133,23 @@ class Signals:
 
     def used_by_events(self) -> set[Target]:
         """Connected inputs that ``event_*`` depend on."""
-        found = [(i, dependence(self.models[i], "outputs")[k]) for i, own in enumerate(self.events) for k in own]
-        return {(kind, i, k) for i, value in found for kind, k in value if (kind, i, k) in self.fed}
+        seen = [(i, dependence(self.models[i], "outputs")[k]) for i, own in enumerate(self.events) for k in own]
+        return {(kind, i, k) for i, value in seen for kind, k in value if (kind, i, k) in self.fed}
 
     def depends(self, target: Target) -> dict[Target, int]:
         """The connected inputs from which ``target`` follows at once, with the degree."""
         i, feed = self.fed[target]
         name = self.models[i].Outputs._fields[feed.output]
-        found = dependence(self.models[i], "outputs")[feed.output]
+        degrees = dependence(self.models[i], "outputs")[feed.output]
         if feed.derived:
             unstated = target[0] == "ddu" and not name.endswith("_rate")
-            if unstated or any(kind == "ddu" for kind, _ in found):
+            if unstated or any(kind == "ddu" for kind, _ in degrees):
                 raise CompositionError(
                     f"{self.written[target]}: a rate is needed that {self.parts[i]} does not state: give it an output "
                     f"{name}_rate"
                 )
-            found = dependence(self.models[i], "output_rates")[feed.output]
-        return {(kind, i, k): degree for (kind, k), degree in found.items() if (kind, i, k) in self.fed}
+            degrees = dependence(self.models[i], "output_rates")[feed.output]
+        return {(kind, i, k): degree for (kind, k), degree in degrees.items() if (kind, i, k) in self.fed}
 
     def plan(self, wanted: set[Target]) -> Plan:
         """How to compute ``wanted``, and what it takes. Raises `CompositionError` for a loop that is not linear."""
@@ -182,14 +182,14 @@ class Signals:
         """The first loop that depends on no other."""
 
         def reach(target: Target) -> set[Target]:
-            found, todo = set[Target](), [target]
+            reached, todo = set[Target](), [target]
             while todo:
-                new = (left & set(after[todo.pop()])) - found
-                found |= new
+                new = (left & set(after[todo.pop()])) - reached
+                reached |= new
                 todo += new
-            return found
+            return reached
 
-        closed = sorted((sorted(reach(target)) for target in left), key=lambda found: (len(found), found))
+        closed = sorted((sorted(reach(target)) for target in left), key=lambda loop: (len(loop), loop))
         signals = tuple(closed[0])
         if any(after[a].get(b) == OTHERWISE for a in signals for b in signals):
             names = ", ".join(dict.fromkeys(self.written[target] for target in signals))

@@ -118,14 +118,13 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Oscillator, ops: Ops) -> State:
     """x' of the response."""
     z, rate = x
-    return State(rate, acceleration(z, rate, -u.reaction, p.mass, p.damping, p.stiffness))
+    return State(rate, acceleration(z, rate, u.reaction, p.mass, p.damping, p.stiffness))
 
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Oscillator, ops: Ops) -> State:
     """Exact step of length ``h``, s, for a reaction that is a cubic of time."""
     z, rate = x
-    r0, r1, r2, r3 = cubics.reaction
-    z, rate = exact_oscillation(h, z, rate, (-r0, -r1, -r2, -r3), p.mass, p.damping, p.stiffness, ops)
+    z, rate = exact_oscillation(h, z, rate, cubics.reaction, p.mass, p.damping, p.stiffness, ops)
     return State(z, rate)
 
 
@@ -134,7 +133,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     that the line does not move the ship (1 where the free motion has no amplitude)."""
     free, rate, free_rate2 = driven(t, p.heave_amplitude, p.heave_period, p.heave_phase, p.ramp_time, ops)
     z, z_rate = x
-    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
+    z_rate2 = acceleration(z, z_rate, u.reaction, p.mass, p.damping, p.stiffness)
     small = margin_small(z, p.heave_amplitude, p.sdof_tolerance, ops)
     velocity = rate + z_rate
     return Outputs(free + z, velocity, free, small, velocity, free_rate2 + z_rate2, rate)

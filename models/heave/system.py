@@ -30,8 +30,9 @@ from dataclasses import dataclass
 
 from scipy.integrate import DOP853
 
-from ..numeric.integrate import Rates, Tableau, Vector, integrate
+from ..numeric.integrate import Rates, Vector, integrate
 from ..numeric.ops import FLOATS, Ops, Value
+from ..numeric.tableaus import Tableau
 from . import cradle, ship, spring_line
 
 DORMAND_PRINCE_8 = Tableau(
@@ -44,8 +45,8 @@ DORMAND_PRINCE_8 = Tableau(
     order=8,
 )
 
-REST = 1e-150
-"""Length, m, below which nothing moves: its square would not be a number."""
+REST = 1e-290
+"""Length, m, below which nothing moves: tolerances of such a motion would underflow."""
 
 GRAZING = 1e-11
 """Depth of slack, as a share of the lengths it is the difference of, below which it is beyond the integrator."""

@@ -50,7 +50,7 @@ class Traced:
 
 
 _PLAIN = (Traced, float, int)
-"""What operators take; a dual number of traced values looks after itself."""
+"""What operators take; a dual number of traced values has operators of its own."""
 
 
 def degrees_of(value: Any) -> dict[Hashable, int]:
@@ -60,11 +60,11 @@ def degrees_of(value: Any) -> dict[Hashable, int]:
 
 def joined(*values: Any) -> Traced:
     """Depends on what any of ``values`` depends on, by the higher degree."""
-    found: dict[Hashable, int] = {}
+    degrees: dict[Hashable, int] = {}
     for value in values:
         for name, degree in degrees_of(value).items():
-            found[name] = max(degree, found.get(name, LINEAR))
-    return Traced(found)
+            degrees[name] = max(degree, degrees.get(name, LINEAR))
+    return Traced(degrees)
 
 
 def bent(*values: Any) -> Traced:

@@ -83,8 +83,8 @@ def duals(ops: Ops) -> Ops:
     """The operations on dual numbers over ``ops``."""
 
     def root(a: Any) -> Dual:
-        found = ops.sqrt(lift(a).value)
-        return Dual(found, lift(a).slope / (2.0 * ops.where(found > 0.0, found, 1.0)))
+        value = ops.sqrt(lift(a).value)
+        return Dual(value, lift(a).slope / (2.0 * ops.where(value > 0.0, value, 1.0)))
 
     def angle(y: Any, x: Any) -> Dual:
         a, b = lift(y), lift(x)
@@ -96,8 +96,8 @@ def duals(ops: Ops) -> Ops:
         return Dual(ops.where(condition, a.value, b.value), ops.where(condition, a.slope, b.slope))
 
     def exponential(a: Any) -> Dual:
-        found = ops.exp(lift(a).value)
-        return Dual(found, found * lift(a).slope)
+        value = ops.exp(lift(a).value)
+        return Dual(value, value * lift(a).slope)
 
     def size(a: Any) -> Dual:
         return where(lift(a).value < 0.0, -lift(a), a)

@@ -18,7 +18,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm, matrix_balance
 
 from .arrays import Array
 
@@ -46,6 +45,11 @@ class ExactStep:
 
 def exact_step(a: Array, b: Array, step: float, order: int = ORDER) -> ExactStep:
     """The operators for ``step`` > 0, s."""
+    from scipy.linalg import (  # half of a unit's load time, which a host that only looks need not pay
+        expm,
+        matrix_balance,
+    )
+
     n, m = b.shape
     if not n:
         return ExactStep(np.zeros((0, 0)), np.zeros((0, m * (order + 1))))
@@ -56,6 +60,6 @@ def exact_step(a: Array, b: Array, step: float, order: int = ORDER) -> ExactStep
     block[:n, n : n + m] = b / scale[:, None] * step
     for k in range(order):
         block[n + k * m : n + (k + 1) * m, n + (k + 1) * m : n + (k + 2) * m] = np.eye(m)
-    found = expm(block)
-    gains = [found[:n, n + k * m : n + (k + 1) * m] * math.factorial(k) * step**k for k in range(order + 1)]
-    return ExactStep(found[:n, :n] * scale[:, None] / scale, np.hstack(gains) * scale[:, None])
+    whole = expm(block)
+    gains = [whole[:n, n + k * m : n + (k + 1) * m] * math.factorial(k) * step**k for k in range(order + 1)]
+    return ExactStep(whole[:n, :n] * scale[:, None] / scale, np.hstack(gains) * scale[:, None])

@@ -14,14 +14,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
+
+from .root import Bracket
+from .tableaus import DORMAND_PRINCE_5, Tableau
 
 Vector = tuple[float, ...]
 Rates = Callable[[float, Vector], Sequence[float]]
 Indicators = Callable[[float, Vector], Sequence[float]]
 
+SAFETY, LEAST_GROWTH, MOST_GROWTH = 0.9, 0.2, 5.0
+"""Factor on the step that the error asks for; the least and the most by which a step changes."""
+RESCUE, NO_NUMBER = 0.1, 1e300
+"""Factor on a step whose error is no number, or this much over its tolerance."""
+LANDING = 0.999999
+"""A step longer than this share of what is left goes to the end."""
+MAX_STEPS, MAX_TRIALS = 100_000, 200
+"""Steps in one call; trials to locate an event."""
+EVENT_WIDTH, TIME_WIDTH = 1e-12, 1e-15
+"""Width of the bracket of an event, relative to the step and to the time (4 units in the last place)."""
+TINY = 1e-300
+"""Keeps a share of zero by zero a number."""
 
 SMALLEST = 2.2250738585072014e-308
 """The smallest normal number: an error of that size is rounding whatever the tolerance, which may have underflowed."""
@@ -34,44 +48,13 @@ ROUNDING = 1e-9
 
 BLIND = 1e-6
 """Share of a step, begun on a zero, in which the sign is not trusted; four times as much, up to a tenth, with every event
-that cuts a step to less than `SHORT` of itself: where an indicator is zero but for rounding, time goes on."""
-
-SHORT = 1e-3
+that cuts a step to less than `SHORT` of itself, until a step is not cut: where an indicator is zero but for rounding, time
+goes on."""
+MOST_BLIND, SHORT = 0.1, 1e-3
 
 
 class IntegrationError(ArithmeticError):
     """No acceptable step: the message gives time, step and the state."""
-
-
-@dataclass(frozen=True)
-class Tableau:
-    """Butcher coefficients. ``error`` holds one or two weight vectors; with two (E5, E3) the estimate is
-    |E5|^2/sqrt(|E5|^2 + 0.01 |E3|^2) as in DOP853. ``order`` is that of the estimate plus one."""
-
-    name: str
-    c: Vector
-    a: tuple[Vector, ...]
-    b: Vector
-    error: tuple[Vector, ...]
-    order: int
-
-
-DORMAND_PRINCE_5 = Tableau(
-    # J. R. Dormand, P. J. Prince, "A family of embedded Runge-Kutta formulae", J. Comp. Appl. Math. 6 (1980) 19-26.
-    name="Dormand-Prince 5(4)",
-    c=(0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0),
-    a=(
-        (),
-        (1 / 5,),
-        (3 / 40, 9 / 40),
-        (44 / 45, -56 / 15, 32 / 9),
-        (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
-        (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
-    ),
-    b=(35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
-    error=((71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40),),
-    order=5,
-)
 
 
 Step = Callable[[Rates, float, Vector, Sequence[float], float], tuple[Vector, Sequence[float], tuple[Vector, ...]]]
@@ -100,6 +83,28 @@ def unrolled(method: Tableau, n: int) -> Step:
     scope: dict[str, Any] = {}
     exec("\n".join(lines), scope)
     return scope["step"]  # type: ignore[no-any-return]
+
+
+def _until_event(
+    step: Step, rates: Rates, indicators: Indicators, t: float, x: Vector, f: Sequence[float], g: Sequence[float],
+    trial: float, landing: float, y: Vector, f_new: Sequence[float], blind: float,
+) -> tuple[float, float, Vector, Sequence[float], Sequence[float], bool, float]:  # fmt: skip
+    """The step of size ``trial`` from (t, x) to (landing, y), cut just beyond its first event: (size, landing, y, rates and
+    indicators there, whether there is an event, the next ``blind``)."""
+    g_new, event, whole = indicators(landing, y), False, trial
+    high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+    while high > 0.0:
+        located = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
+        if not located:  # only the interpolant changes its sign
+            break
+        trial, y, f_new, g_new = located
+        landing, event = t + trial, True
+        high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+    if not event:
+        blind = BLIND
+    elif trial < SHORT * whole:
+        blind = min(4.0 * blind, MOST_BLIND)
+    return trial, landing, y, f_new, g_new, event, blind
 
 
 def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: Vector) -> float:
@@ -131,7 +136,7 @@ def integrate(
     on_event: Callable[[float, Vector], Vector] | None = None,
     first_step: float = 0.0,
     method: Tableau = DORMAND_PRINCE_5,
-    max_steps: int = 100_000,
+    max_steps: int = MAX_STEPS,
     on_step: Callable[[float, Vector, Sequence[float], float, Vector, Sequence[float]], None] | None = None,
 ) -> tuple[Vector, float]:
     """Integrate x' = rates(t, x) from ``t`` to ``t_end``; returns (x(t_end), a step to begin the next call with).
@@ -154,33 +159,20 @@ def integrate(
         steps += 1
         if steps > max_steps:
             raise IntegrationError(f"{max_steps} steps were not enough to reach t = {t_end} (now t = {t}, x = {x})")
-        if h > 0.999999 * left:
-            trial, landing = left, t_end
-        else:
-            trial, landing = h, t + h
+        trial, landing = (left, t_end) if h > LANDING * left else (h, t + h)
         y, f_new, errors = step(rates, t, x, f, trial)
         ratio = _ratio(errors, x, y, rtol, atol)
         if not ratio <= 1.0:
-            h = trial * (max(0.2, 0.9 * ratio**exponent) if ratio < 1e300 else 0.1)
+            h = trial * (max(LEAST_GROWTH, SAFETY * ratio**exponent) if ratio < NO_NUMBER else RESCUE)
             if not t + h > t:
                 raise IntegrationError(f"no step is small enough at t = {t}, x = {x}: the rates are {tuple(f)}")
             continue
-        grown = trial * min(5.0, 0.9 * ratio**exponent) if ratio > 1e-9 else 5.0 * trial
+        grown = trial * min(MOST_GROWTH, SAFETY * ratio**exponent) if ratio > 1e-9 else MOST_GROWTH * trial
         event = False
         if indicators:
-            g_new = indicators(landing, y)
-            whole = trial
-            if g_new != g:
-                high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-                while high > 0.0:
-                    found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
-                    if not found:  # only the interpolant changes its sign
-                        break
-                    trial, y, f_new, g_new = found
-                    landing, event = t + trial, True
-                    high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-            blind = min(4.0 * blind, 0.1) if event and trial < SHORT * whole else BLIND
-            g = g_new
+            trial, landing, y, f_new, g, event, blind = _until_event(
+                step, rates, indicators, t, x, f, g, trial, landing, y, f_new, blind
+            )
         if on_step:
             on_step(t, x, f, landing, y, f_new)
         # a step cut short by t_end or an event says nothing against the longer step that was tried before
@@ -206,54 +198,36 @@ def _differ(g: Sequence[float], g_new: Sequence[float]) -> bool:
 
 
 def _inside(
-    g: Sequence[float],
-    g_new: Sequence[float],
-    indicators: Indicators,
-    t: float,
-    x: Vector,
-    f: Sequence[float],
-    h: float,
-    y: Vector,
-    f_new: Sequence[float],
-) -> float:
+    g: Sequence[float], g_new: Sequence[float], indicators: Indicators, t: float, x: Vector, f: Sequence[float], h: float,
+    y: Vector, f_new: Sequence[float],
+) -> float:  # fmt: skip
     """A place within the step where an indicator that has one sign at both ends has the other, 0 if none is found:
     looked for on the cubic Hermite interpolant at mid-step, and where the parabola of an indicator through begin,
     middle and end of the step has its vertex near zero or beyond."""
     w = 0.125 * h
     middle = tuple([0.5 * (p + q) + w * (r - v) for p, q, r, v in zip(x, y, f, f_new)])
-    g_middle = indicators(t + 0.5 * h, middle)
-    if _hidden(g, g_middle, g_new):
-        return 0.5 * h
-    for a, m, b in zip(g, g_middle, g_new):
+    for a, m, b in zip(g, indicators(t + 0.5 * h, middle), g_new):
+        if (a > 0.0) != (b > 0.0):
+            continue
+        if (a > 0.0) != (m > 0.0):
+            return 0.5 * h
         slope = 4.0 * m - 3.0 * a - b
         bend = 2.0 * (a + b) - 4.0 * m
-        if not slope * a < 0.0 < bend * a or (a > 0.0) != (b > 0.0):
+        if not slope * a < 0.0 < bend * a:
             continue
         s = -0.5 * slope / bend
         bottom = a + 0.5 * s * slope
-        near = bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))
-        if s < 1.0 and near and _hidden(g, indicators(t + s * h, interpolate(s, h, x, f, y, f_new)), g_new):
-            return s * h
+        if s < 1.0 and (bottom * a <= 0.0 or abs(bottom) < NEAR * max(abs(a), abs(b))):
+            there = indicators(t + s * h, interpolate(s, h, x, f, y, f_new))
+            if any((a > 0.0) == (b > 0.0) != (v > 0.0) for a, v, b in zip(g, there, g_new)):
+                return s * h
     return 0.0
 
 
-def _hidden(g: Sequence[float], g_middle: Sequence[float], g_new: Sequence[float]) -> bool:
-    """Whether some indicator has one sign at both ends and the other between them."""
-    return any((a > 0.0) == (b > 0.0) != (m > 0.0) for a, m, b in zip(g, g_middle, g_new))
-
-
 def _locate(
-    step: Step,
-    rates: Rates,
-    indicators: Indicators,
-    t: float,
-    x: Vector,
-    f: Sequence[float],
-    g: Sequence[float],
-    high: float,
-    h: float,
-    blind: float,
-) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:
+    step: Step, rates: Rates, indicators: Indicators, t: float, x: Vector, f: Sequence[float], g: Sequence[float],
+    high: float, h: float, blind: float,
+) -> tuple[float, Vector, Sequence[float], Sequence[float]] | None:  # fmt: skip
     """The step that ends just beyond the first zero before ``high`` in a step of ``h``: (length, state, rates,
     indicators) there; None where no sign has changed at ``high``.
 
@@ -267,45 +241,41 @@ def _locate(
         y, f_new, _ = step(rates, t, x, f, s)
         g_new = indicators(t + s, y)
         changed = [i for i, (a, b) in enumerate(zip(g, g_new)) if (a > 0.0) != (b > 0.0)]
-        best = min(changed, key=lambda i: abs(g[i]) / (abs(g[i]) + abs(g_new[i]) + 1e-300), default=-1)
+        best = min(changed, key=lambda i: abs(g[i]) / (abs(g[i]) + abs(g_new[i]) + TINY), default=-1)
         return y, f_new, g_new, best
 
     y, f_new, g_new, which = ahead(high)
     if which < 0:
         return None
-    width = max(1e-12 * h, 1e-15 * abs(t))
+    width = max(EVENT_WIDTH * h, TIME_WIDTH * abs(t))
     start, g_start = 0.0, g
     if 0.0 < abs(g[which]) < ROUNDING * abs(g_new[which]):
-        s = min(blind * h, 0.1 * high)
+        s = min(blind * h, MOST_BLIND * high)
         _, _, g_s, changed = ahead(s)
         if changed < 0:
             start, g_start = s, g_s
     if blind > 100.0 * BLIND:  # nothing but rounding changes the sign that often: go on
         width = max(width, blind * h)
-    low, g_low, g_high, last = start, g_start[which], g_new[which], 0
+    bracket = Bracket(start, g_start[which], high, g_new[which], width)
     slow = 0
-    for _ in range(200):
-        size = high - low
+    for _ in range(MAX_TRIALS):
+        size = bracket.size
         if size <= width:
             break
-        if slow < 2 and g_high != g_low:  # halved values may underflow, both to zero
-            s = high - g_high * size / (g_high - g_low) + 0.3 * width
+        if slow < 2 and not bracket.flat:
+            s = bracket.secant()
         else:  # the rule stalls where the indicator touches zero, as e ~ s^2 at a start at rest on the limit of slack
-            s, slow = low + 0.5 * size, 0
-        s = s if s > low + 0.5 * width else low + 0.5 * width  # also where s is no number
-        s = min(s, high - 0.5 * width)
+            s, slow = bracket.middle(), 0
         y_s, f_s, g_s, changed = ahead(s)
         if changed < 0:
-            low, g_low = s, g_s[which]
-            g_high *= 0.5 if last < 0 else 1.0
-            last = -1
-        elif changed != which:  # another indicator changes before this one
-            high, y, f_new, g_new, which = s, y_s, f_s, g_s, changed
-            low, g_low, g_high, last = start, g_start[which], g_s[which], 0
-            size = 2.0 * high
+            bracket.raise_low(s, g_s[which])
         else:
-            high, y, f_new, g_new, g_high = s, y_s, f_s, g_s, g_s[which]
-            g_low *= 0.5 if last > 0 else 1.0
-            last = 1
-        slow = slow + 1 if high - low > 0.5 * size else 0
-    return high, y, f_new, g_new
+            y, f_new, g_new = y_s, f_s, g_s
+            if changed == which:
+                bracket.lower_high(s, g_s[which])
+            else:  # another indicator changes before this one
+                which = changed
+                bracket.restart(start, g_start[which], s, g_s[which])
+                size = 2.0 * s
+        slow = slow + 1 if bracket.size > 0.5 * size else 0
+    return bracket.high, y, f_new, g_new

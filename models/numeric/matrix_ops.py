@@ -77,8 +77,8 @@ def traces() -> MatrixOps:
         state, fixed = ca.SX.sym("state", len(start)), ca.SX.sym("constants", len(constants))
         after = ca.vertcat(*step(tuple(ca.vertsplit(state)), tuple(ca.vertsplit(fixed)), symbols()))
         once = ca.Function(step.__name__, [state, fixed], [ca.densify(after)])
-        found = once.mapaccum(count)(ca.vertcat(*start), ca.repmat(ca.vertcat(*constants), 1, count))
-        return [found[i, :].T for i in range(len(start))]
+        columns = once.mapaccum(count)(ca.vertcat(*start), ca.repmat(ca.vertcat(*constants), 1, count))
+        return [columns[i, :].T for i in range(len(start))]
 
     # dense throughout: patterns of zeros would cost more text than they save time
     return MatrixOps(

@@ -1,11 +1,11 @@
 """An oscillator with one degree of freedom, and the oscillation that drives it.
 
-    m z'' + c z' + k z = f,      y = r(t) a sin(omega t + phi), r of `ramp`
+    m z'' + c z' + k z = -R,      y = r(t) a sin(omega t + phi), r of `ramp`
 
 | symbol | meaning | unit |
 |---|---|---|
 | m, c, k | mass, damping, stiffness | kg, N s/m, N/m |
-| f | force | N |
+| R | reaction, against z | N |
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ TURN = 2.0 * math.pi
 """rad."""
 
 
-def acceleration(z: Value, rate: Value, force: Value, mass: Value, damping: Value, stiffness: Value) -> Value:
+def acceleration(z: Value, rate: Value, reaction: Value, mass: Value, damping: Value, stiffness: Value) -> Value:
     """z'', m/s2."""
-    return (force - damping * rate - stiffness * z) / mass
+    return (-reaction - damping * rate - stiffness * z) / mass
 
 
 def exact_oscillation(
-    h: Value, z: Value, rate: Value, force: Sequence[Value], mass: Value, damping: Value, stiffness: Value, ops: Ops
+    h: Value, z: Value, rate: Value, reaction: Sequence[Value], mass: Value, damping: Value, stiffness: Value, ops: Ops
 ) -> tuple[Value, Value]:
-    """(z, z') after ``h``, s, for f = f0 + f1 s + f2 s^2 + f3 s^3 (``force``): the particular solution is a cubic too, the
+    """(z, z') after ``h``, s, for R = r0 + r1 s + r2 s^2 + r3 s^3 (``reaction``): the particular solution is a cubic too, the
     rest is the free oscillation in closed form (under- or overdamped)."""
     omega2 = stiffness / mass
     decay = 0.5 * damping / mass
-    f0, f1, f2, f3 = force
-    inverse = 1.0 / stiffness
+    r0, r1, r2, r3 = reaction
+    inverse = -1.0 / stiffness
     delay = damping / stiffness
-    q3 = inverse * f3
-    q2 = inverse * f2 - 3.0 * delay * q3
-    q1 = inverse * f1 - 2.0 * delay * q2 - 6.0 * q3 / omega2
-    q0 = inverse * f0 - delay * q1 - 2.0 * q2 / omega2
+    q3 = inverse * r3
+    q2 = inverse * r2 - 3.0 * delay * q3
+    q1 = inverse * r1 - 2.0 * delay * q2 - 6.0 * q3 / omega2
+    q0 = inverse * r0 - delay * q1 - 2.0 * q2 / omega2
     z, rate = z - q0, rate - q1
     difference = omega2 - decay * decay
     b = ops.sqrt(ops.abs(difference))

@@ -36,7 +36,7 @@ class NoOwn(NamedTuple):
     """No states but z."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LinearModel(Record):
     """The functions of a linear model. What is None it does not have. In all of them own, u, du are named (``Own``,
     ``Inputs``), c are the ``constants`` of the set-up, and ``cubics`` has for every input the coefficients of 1, t, t^2, t^3.

@@ -14,7 +14,6 @@ components everywhere (``x.velocity``); the Python FMU turns them into positions
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, fields
@@ -53,6 +52,8 @@ class Record:
         known = [f.name for f in fields(cls)]  # type: ignore[arg-type]
         for name in named:
             if name not in known:
+                import difflib  # for a fault alone
+
                 close = difflib.get_close_matches(name, known, 1)
                 hint = f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
                 raise TypeError(f"{cls.__name__} has no function {name}: {hint}")
@@ -66,7 +67,7 @@ class Record:
                 raise TypeError(f"{module} defines {field.name}, but its {type(self).__name__} does not name it")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Model(Record, Generic[P, X, M, U, Y]):
     """The functions by which a unit, a composition and a trace know a model. What is None the model does not have.
 

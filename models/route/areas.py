@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .polar import Array
+from ..numeric.arrays import AnyArray
 
 Mask = NDArray[np.bool_]
 
@@ -26,11 +26,11 @@ class Disc:
     radius: float
     name: str = "disc"
 
-    def contains(self, x: Array, y: Array) -> Mask:
+    def contains(self, x: AnyArray, y: AnyArray) -> Mask:
         """Whether places lie inside."""
         return np.hypot(x - self.x, y - self.y) < self.radius * (1.0 - 1e-9)
 
-    def blocks(self, x0: Array, y0: Array, x1: Array, y1: Array) -> Mask:
+    def blocks(self, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
         """Whether legs pass through, arrays of one shape."""
         dx, dy = x1 - x0, y1 - y0
         length2 = np.maximum(dx * dx + dy * dy, 1e-300)
@@ -50,7 +50,7 @@ class Polygon:
             raise ValueError("the corners of a polygon must be finite")
         self._next = np.roll(self.corners, -1, axis=0)
 
-    def contains(self, x: Array, y: Array) -> Mask:
+    def contains(self, x: AnyArray, y: AnyArray) -> Mask:
         """Whether places lie inside (even-odd rule)."""
         x, y = np.asarray(x)[..., None], np.asarray(y)[..., None]
         (ax, ay), (bx, by) = self.corners.T, self._next.T
@@ -58,12 +58,12 @@ class Polygon:
         at = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
         return np.asarray(np.sum(across & (x < at), axis=-1) % 2 == 1)
 
-    def blocks(self, x0: Array, y0: Array, x1: Array, y1: Array) -> Mask:
+    def blocks(self, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
         """Whether legs cross an edge or lie inside."""
         px, py, qx, qy = (np.asarray(v)[..., None] for v in (x0, y0, x1, y1))
         (ax, ay), (bx, by) = self.corners.T, self._next.T
 
-        def side(ox: Array, oy: Array, ux: Array, uy: Array, vx: Array, vy: Array) -> Array:
+        def side(ox: AnyArray, oy: AnyArray, ux: AnyArray, uy: AnyArray, vx: AnyArray, vy: AnyArray) -> AnyArray:
             return np.asarray((ux - ox) * (vy - oy) - (uy - oy) * (vx - ox))
 
         d1, d2 = side(ax, ay, bx, by, px, py), side(ax, ay, bx, by, qx, qy)
@@ -80,34 +80,34 @@ class Cells:
     def __init__(self, x0: float, y0: float, dx: float, dy: float, mask: Mask, name: str = "land") -> None:
         self.x0, self.y0, self.dx, self.dy, self.mask, self.name = x0, y0, dx, dy, np.asarray(mask, dtype=bool), name
 
-    def contains(self, x: Array, y: Array) -> Mask:
+    def contains(self, x: AnyArray, y: AnyArray) -> Mask:
         """Whether places lie on marked cells; beyond the grid that of its edge."""
         ny, nx = self.mask.shape
         i = np.clip(np.rint((np.asarray(x) - self.x0) / self.dx), 0, nx - 1).astype(int)
         j = np.clip(np.rint((np.asarray(y) - self.y0) / self.dy), 0, ny - 1).astype(int)
         return np.asarray(self.mask[j, i])
 
-    def blocks(self, x0: Array, y0: Array, x1: Array, y1: Array) -> Mask:
+    def blocks(self, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
         """Whether legs pass over marked cells."""
         if not self.mask.any():
             return np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
         longest = float(np.max(np.hypot(x1 - x0, y1 - y0), initial=0.0))
         n = max(2, int(np.ceil(2.0 * longest / min(self.dx, self.dy))))
-        found = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
+        crossed = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
         for k in range(1, n + 1):
-            found |= self.contains(x0 + (x1 - x0) * (k / n), y0 + (y1 - y0) * (k / n))
-        return found
+            crossed |= self.contains(x0 + (x1 - x0) * (k / n), y0 + (y1 - y0) * (k / n))
+        return crossed
 
 
 Area = Disc | Polygon | Cells
 
 
-def blocked(areas: Sequence[Area], x0: Array, y0: Array, x1: Array, y1: Array) -> Mask:
+def blocked(areas: Sequence[Area], x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
     """Whether any area is in the way."""
-    found = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
+    blocking = np.zeros(np.broadcast(x0, y0, x1, y1).shape, dtype=bool)
     for area in areas:
-        found |= area.blocks(x0, y0, x1, y1)
-    return found
+        blocking |= area.blocks(x0, y0, x1, y1)
+    return blocking
 
 
 def containing(areas: Sequence[Area], x: float, y: float) -> Area | None:

@@ -28,7 +28,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from .polar import Array
+from ..numeric.arrays import AnyArray
 
 UNDIRECTED = 1e-9
 """Length of the mean direction vector below which there is no direction."""
@@ -37,26 +37,26 @@ UNDIRECTED = 1e-9
 class Sea(NamedTuple):
     """Arrays of one shape; gradients per m of the plane."""
 
-    height: Array
-    height_x: Array
-    height_y: Array
-    kx: Array
-    ky: Array
-    angle_x: Array
-    angle_y: Array
-    directed: Array
+    height: AnyArray
+    height_x: AnyArray
+    height_y: AnyArray
+    kx: AnyArray
+    ky: AnyArray
+    angle_x: AnyArray
+    angle_y: AnyArray
+    directed: AnyArray
 
 
 class Field(Protocol):
     """What the routes need of a field."""
 
-    def at(self, x: Array, y: Array, t: Array) -> Sea:
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea at places of the plane, m, and times, s."""
 
-    def period(self, x: Array, y: Array, t: Array) -> Array:
+    def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Peak period, s; 0 where it follows from the height."""
 
-    def inside(self, x: Array, y: Array) -> Array:
+    def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
         """Whether there are data at these places."""
 
     @property
@@ -65,11 +65,11 @@ class Field(Protocol):
 
 
 class _Everywhere:
-    def period(self, x: Array, y: Array, t: Array) -> Array:
+    def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Not known: 0."""
         return np.zeros_like(x)
 
-    def inside(self, x: Array, y: Array) -> Array:
+    def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
         """Everywhere."""
         return np.ones_like(x, dtype=bool)
 
@@ -86,7 +86,7 @@ class UniformField(_Everywhere):
     height: float = 0.0
     angle: float = 0.0
 
-    def at(self, x: Array, y: Array, t: Array) -> Sea:
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea."""
         zero = np.zeros_like(x)
         directed = np.ones_like(x, dtype=bool)
@@ -102,7 +102,7 @@ class LinearField(_Everywhere):
     gradient: tuple[float, float]
     angle: float = 0.0
 
-    def at(self, x: Array, y: Array, t: Array) -> Sea:
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea."""
         zero = np.zeros_like(x)
         gx, gy = self.gradient
@@ -122,7 +122,7 @@ class StormField(_Everywhere):
     angle: float = 0.0
     swirl: bool = False
 
-    def at(self, x: Array, y: Array, t: Array) -> Sea:
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea."""
         dx = x - self.centre[0] - self.velocity[0] * t
         dy = y - self.centre[1] - self.velocity[1] * t
@@ -142,7 +142,7 @@ class StormField(_Everywhere):
 
 
 def directed_sea(
-    height: tuple[Array, Array, Array], wx: tuple[Array, Array, Array], wy: tuple[Array, Array, Array]
+    height: tuple[AnyArray, AnyArray, AnyArray], wx: tuple[AnyArray, AnyArray, AnyArray], wy: tuple[AnyArray, AnyArray, AnyArray]
 ) -> Sea:
     """The sea from a height and a vector along k of any length, each with its x and y derivatives."""
     length = np.hypot(wx[0], wy[0])
@@ -160,6 +160,6 @@ class ShearCurrent:
     rate_x: float = 0.0
     rate_y: float = 0.0
 
-    def at(self, x: Array, y: Array) -> tuple[Array, Array]:
+    def at(self, x: AnyArray, y: AnyArray) -> tuple[AnyArray, AnyArray]:
         """u, m/s."""
         return self.rate_x * y, self.rate_y * x

@@ -27,9 +27,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..numeric.arrays import AnyArray
 from .areas import Area, blocked
 from .medium import Medium
-from .polar import Array
 
 Point = tuple[float, float]
 GAUSS = (0.5 - math.sqrt(1.0 / 12.0), 0.5 + math.sqrt(1.0 / 12.0))
@@ -41,8 +41,8 @@ SLOWEST = 1e-3
 class Path:
     """Points (n, 2), m, and times of arrival (n,), s."""
 
-    points: Array
-    times: Array
+    points: AnyArray
+    times: AnyArray
 
     @property
     def duration(self) -> float:
@@ -51,8 +51,8 @@ class Path:
 
 
 def leg_times(
-    medium: Medium, t: Array, x0: Array, y0: Array, x1: Array, y1: Array, areas: Sequence[Area], hint: float
-) -> Array:
+    medium: Medium, t: AnyArray, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray, areas: Sequence[Area], hint: float
+) -> AnyArray:
     """Duration of straight legs that start at ``t``, s; infinite where an area, the end of the data or the sea is in
     the way. All arrays broadcast; ``hint`` is a likely duration per length, s/m."""
     dx, dy = x1 - x0, y1 - y0
@@ -60,7 +60,7 @@ def leg_times(
     still = d == 0.0
     length = np.where(still, 1.0, d)
     px, py = dx / length, dy / length
-    spent: Array = np.zeros(np.broadcast(t, d).shape)
+    spent: AnyArray = np.zeros(np.broadcast(t, d).shape)
     guess = hint * d + 0.0 * spent
     for place in GAUSS:
         v = medium.speed_along(t + place * guess, x0 + place * dx, y0 + place * dy, px + 0.0 * t, py + 0.0 * t)
@@ -159,7 +159,7 @@ def refine(
     return Path(points, sail(medium, points))
 
 
-def _subdivide(points: Array, stations: int) -> Array:
+def _subdivide(points: AnyArray, stations: int) -> AnyArray:
     """Legs cut into equal parts, about ``stations`` in all; the corners stay."""
     lengths = np.hypot(*np.diff(points, axis=0).T)
     rows = [points[:1]]
@@ -170,8 +170,8 @@ def _subdivide(points: Array, stations: int) -> Array:
 
 
 def _sweep(
-    medium: Medium, points: Array, sideways: Array, offsets: Array, areas: Sequence[Area], hint: float
-) -> tuple[Array, float]:
+    medium: Medium, points: AnyArray, sideways: AnyArray, offsets: AnyArray, areas: Sequence[Area], hint: float
+) -> tuple[AnyArray, float]:
     """Offsets of the earliest arrival through all stations, in units of ``sideways``, and its time."""
     n = len(points)
     arrival = np.zeros(1)
@@ -195,7 +195,7 @@ def _sweep(
     return chosen, float(arrival[0])
 
 
-def sail(medium: Medium, points: Array, start_time: float = 0.0) -> Array:
+def sail(medium: Medium, points: AnyArray, start_time: float = 0.0) -> AnyArray:
     """Times of arrival (n,), s, along straight legs between ``points`` (n, 2): dt/ds = 1/v by one Runge-Kutta step of
     order 4 a leg. The first entry after which the course cannot be made good is infinite, and all later ones."""
     times = np.full(len(points), math.inf)
@@ -207,7 +207,7 @@ def sail(medium: Medium, points: Array, start_time: float = 0.0) -> Array:
             px, py = np.array([(x1 - x0) / d]), np.array([(y1 - y0) / d])
 
             def slowness(
-                s: float, time: float, x0: float = x0, y0: float = y0, d: float = d, px: Array = px, py: Array = py
+                s: float, time: float, x0: float = x0, y0: float = y0, d: float = d, px: AnyArray = px, py: AnyArray = py
             ) -> float:
                 v = medium.speed_along(np.array([time]), x0 + s * d * px, y0 + s * d * py, px, py)
                 return d / float(v[0]) if v[0] > SLOWEST else math.inf

@@ -26,15 +26,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..numeric.arrays import AnyArray
 from .fields import Sea, directed_sea
-from .polar import Array
 
 # values at the four neighbours from 1, s, s^2, s^3
 KERNEL = 0.5 * np.array([[0.0, 2.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [2.0, -5.0, 4.0, -1.0], [-1.0, 3.0, -3.0, 1.0]])
 SLOPE = KERNEL[1:] * np.array([[1.0], [2.0], [3.0]])
 
 
-def _weights(s: Array) -> tuple[Array, Array]:
+def _weights(s: AnyArray) -> tuple[AnyArray, AnyArray]:
     """Kernel at the four neighbours and its derivative, (..., 4)."""
     powers = np.empty((*s.shape, 4))
     powers[..., 0] = 1.0
@@ -44,7 +44,7 @@ def _weights(s: Array) -> tuple[Array, Array]:
     return powers @ KERNEL, powers[..., :3] @ SLOPE
 
 
-def _with_ghosts(values: Array, axis: int) -> Array:
+def _with_ghosts(values: AnyArray, axis: int) -> AnyArray:
     """One more value at either end of an axis."""
     v = np.moveaxis(values, axis, 0)
     n = len(v)
@@ -70,7 +70,7 @@ class Axis:
         """The last value."""
         return self.start + self.step * (self.count - 1)
 
-    def place(self, value: Array) -> tuple[Array, Array]:
+    def place(self, value: AnyArray) -> tuple[AnyArray, AnyArray]:
         """(index of the cell, position in it 0 ... 1); beyond the ends the end itself."""
         if self.count == 1:
             return np.zeros(np.shape(value), dtype=int), np.zeros(np.shape(value))
@@ -86,11 +86,11 @@ class GridField:
     x: Axis
     y: Axis
     t: Axis
-    height: Array
-    cos_angle: Array
-    sin_angle: Array
-    peak_period: Array | None = None
-    _data: Array = field(init=False, repr=False)
+    height: AnyArray
+    cos_angle: AnyArray
+    sin_angle: AnyArray
+    peak_period: AnyArray | None = None
+    _data: AnyArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         shape = (self.t.count, self.y.count, self.x.count)
@@ -114,13 +114,13 @@ class GridField:
         """Time of the last field, s; infinite where there is only one."""
         return self.t.end if self.t.count > 1 else math.inf
 
-    def inside(self, x: Array, y: Array) -> Array:
+    def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
         """Whether places lie on the grid (with a tolerance of 1e-9 of a mesh)."""
         ex, ey = 1e-9 * self.x.step, 1e-9 * self.y.step
         across = (x >= self.x.start - ex) & (x <= self.x.end + ex)
         return np.asarray(across & (y >= self.y.start - ey) & (y <= self.y.end + ey))
 
-    def values(self, x: Array, y: Array, t: Array) -> Array:
+    def values(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """(3, 4, k): value, x and y derivative of the four data."""
         x, y, t = np.broadcast_arrays(x, y, t)
         shape = x.shape
@@ -138,14 +138,14 @@ class GridField:
         both = (np.stack([wy, dy / self.y.step], axis=1) @ block.reshape(k, 4, 16)).reshape(k, 2, 4, 4)
         value = np.stack([wx, dx / self.x.step], axis=1) @ both[:, 0]
         slope = wx[:, None] @ both[:, 1]
-        found = np.concatenate([value, slope], axis=1)  # (k, 3, 4)
-        return np.asarray(np.moveaxis(found, 0, -1).reshape(3, 4, *shape))
+        both = np.concatenate([value, slope], axis=1)  # (k, 3, 4)
+        return np.asarray(np.moveaxis(both, 0, -1).reshape(3, 4, *shape))
 
-    def at(self, x: Array, y: Array, t: Array) -> Sea:
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea; beyond the edge that of the edge, without a gradient meaning."""
         f = self.values(x, y, t)
         return directed_sea((f[0, 0], f[1, 0], f[2, 0]), (f[0, 1], f[1, 1], f[2, 1]), (f[0, 2], f[1, 2], f[2, 2]))
 
-    def period(self, x: Array, y: Array, t: Array) -> Array:
+    def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Peak period, s; 0 where it follows from the height."""
         return np.asarray(np.maximum(0.0, self.values(x, y, t)[0, 3]))

@@ -28,10 +28,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..numeric.arrays import AnyArray
 from ..numeric.ops import Value, arrays
 from .fields import Field, Sea, ShearCurrent
 from .maps import RouteMap
-from .polar import Array, Polar, TablePolar
+from .polar import Polar, TablePolar
 
 OPS = arrays()
 STILL = ShearCurrent()
@@ -51,7 +52,7 @@ class Medium:
         """Whether the polar is an ellipse, so that shooting applies."""
         return not isinstance(self.polar, TablePolar)
 
-    def _axes(self, sea: Sea) -> tuple[Array, Array, Array, Array, Array, Array]:
+    def _axes(self, sea: Sea) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray]:
         """Axes of the ellipse and their derivatives; the smallest circle where the waves have no direction."""
         if isinstance(self.polar, TablePolar):
             raise TypeError("a table has no ellipse")
@@ -66,7 +67,7 @@ class Medium:
             np.where(pick, da, slope), np.where(pick, db, slope), np.where(pick, dc, zero),
         )  # fmt: skip
 
-    def rates(self, t: Array, x: Array, y: Array, lx: Array, ly: Array, d: Array) -> tuple[Array, ...]:
+    def rates(self, t: AnyArray, x: AnyArray, y: AnyArray, lx: AnyArray, ly: AnyArray, d: AnyArray) -> tuple[AnyArray, ...]:
         """(x', y', lx', ly', D', J') with J' = m rho D^2/|l|^3, all arrays of one shape."""
         sea = self.field.at(x, y, t)
         a, b, c, da, db, dc = self._axes(sea)
@@ -102,7 +103,7 @@ class Medium:
         # m rho/|l|^3 = m a^2 b^2/S^3: rho = a^2 b^2/(S/|l|)^3
         return vx, vy, lx_rate, ly_rate, -d * div, m * (a * b * d) ** 2 * inverse**3
 
-    def velocity(self, t: Array, x: Array, y: Array, lx: Array, ly: Array) -> tuple[Array, Array, Array]:
+    def velocity(self, t: AnyArray, x: AnyArray, y: AnyArray, lx: AnyArray, ly: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
         """x', y' and h for the best control at l."""
         sea = self.field.at(x, y, t)
         a, b, c = self._axes(sea)[:3]
@@ -126,7 +127,7 @@ class Medium:
         kx, ky = float(sea.kx[0]), float(sea.ky[0])
         return float(np.arctan2(nx * ky + ny * kx, nx * kx - ny * ky))
 
-    def speed_along(self, t: Array, x: Array, y: Array, px: Array, py: Array) -> Array:
+    def speed_along(self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray) -> AnyArray:
         """Largest speed on the plane, m/s, along the unit vector p; 0 where the ship cannot make it good."""
         sea = self.field.at(x, y, t)
         m = self.map.scale(x, y)[0]

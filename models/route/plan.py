@@ -21,13 +21,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..numeric.arrays import AnyArray
 from . import graph as route_graph
 from . import shooting as route_shooting
 from .areas import Area, blocked, containing
 from .graph import Path, Point
 from .maps import FlatMap
 from .medium import Medium
-from .polar import Array, TablePolar
+from .polar import TablePolar
 
 SAME = 1e-5
 """Two extremals whose times and starting directions agree to this share are one."""
@@ -58,9 +59,9 @@ class Route:
     (start = end). ``certified``: a local minimum by Jacobi's condition, with ``j_exact`` and ``j_seed``, m/rad."""
 
     kind: str
-    time: Array
-    x: Array
-    y: Array
+    time: AnyArray
+    x: AnyArray
+    y: AnyArray
     certified: bool = False
     j_exact: float = math.nan
     j_seed: float = math.nan

@@ -24,14 +24,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numeric.arrays import AnyArray
 from ..numeric.ops import Ops, Value
 
-Array = NDArray[Any]
 """Of floats or truth values."""
 FOOT, KNOT = 0.3048, 1852.0 / 3600.0
 JAMES_LIMIT = 48.0 * FOOT
@@ -145,11 +144,11 @@ class TablePolar:
         self._hull = np.array([speed for speed, _ in hulls])
         self._chords = [chords for _, chords in hulls]
 
-    def speed_along(self, height: Array, theta: Array) -> Array:
+    def speed_along(self, height: AnyArray, theta: AnyArray) -> AnyArray:
         """Speed of the hull at ``theta`` from k, m/s, any shape."""
         return self._mix(self._hull, height, theta)
 
-    def own_speed(self, height: Array, theta: Array) -> Array:
+    def own_speed(self, height: AnyArray, theta: AnyArray) -> AnyArray:
         """Speed of the table itself, without tacking, m/s."""
         return self._mix(self._own, height, theta)
 
@@ -163,11 +162,11 @@ class TablePolar:
                 return low, high
         return None
 
-    def beyond(self, height: Array) -> NDArray[np.bool_]:
+    def beyond(self, height: AnyArray) -> NDArray[np.bool_]:
         """Whether ``height`` is above the table, whose last row then holds."""
         return np.asarray(np.asarray(height) > self.heights[-1])
 
-    def _mix(self, rows: Array, height: Array, theta: Array) -> Array:
+    def _mix(self, rows: AnyArray, height: AnyArray, theta: AnyArray) -> AnyArray:
         place = (np.asarray(theta) + math.pi) / (2.0 * math.pi) * self.SAMPLES
         cell = np.floor(place).astype(int)
         part = place - cell
@@ -182,7 +181,7 @@ class TablePolar:
         return np.asarray((1.0 - share) * below + share * above)
 
 
-def _hull(theta: Array, speed: Array) -> tuple[Array, list[tuple[float, float]]]:
+def _hull(theta: AnyArray, speed: AnyArray) -> tuple[AnyArray, list[tuple[float, float]]]:
     """(speed of the convex hull at ``theta``, its chords as pairs of angles) of a star-shaped polar curve."""
     n = len(theta)
     if not speed.any():

@@ -38,8 +38,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..heave.system import DORMAND_PRINCE_8
+from ..numeric.arrays import AnyArray
 from .medium import Medium
-from .polar import Array
 
 DELTA = 1e-6
 """Difference of alpha for j_exact, rad: the error of a share 1e-6 lies far below what the iteration feels."""
@@ -54,11 +54,11 @@ class Track:
     """A route at n + 1 instants: ``time`` (s), ``x``, ``y`` (m), adjoint angle ``normal`` (rad), ``j_exact`` (m/rad),
     each (n + 1,)."""
 
-    time: Array
-    x: Array
-    y: Array
-    normal: Array
-    j_exact: Array
+    time: AnyArray
+    x: AnyArray
+    y: AnyArray
+    normal: AnyArray
+    j_exact: AnyArray
 
     @property
     def certified(self) -> bool:
@@ -70,16 +70,18 @@ class Track:
 class Shots:
     """What became of k starts, arrays of shape (k,); ``miss`` in m, ``alpha`` not wrapped."""
 
-    alpha: Array
-    time: Array
-    miss: Array
+    alpha: AnyArray
+    time: AnyArray
+    miss: AnyArray
     converged: NDArray[np.bool_]
     iterations: NDArray[np.int64]
-    j_seed: Array
-    j_exact: Array
+    j_seed: AnyArray
+    j_exact: AnyArray
 
 
-def _fly(medium: Medium, start: Point, alpha: Array, time: Array, steps: int, keep: bool = False) -> tuple[Array, Array]:
+def _fly(
+    medium: Medium, start: Point, alpha: AnyArray, time: AnyArray, steps: int, keep: bool = False
+) -> tuple[AnyArray, AnyArray]:
     """State (6, k): x, y, lx, ly, D, J after ``time`` (k,), and with ``keep`` all states (steps + 1, 6, k)."""
     one = np.ones_like(alpha)
     state = np.array([start[0] * one, start[1] * one, np.cos(alpha), np.sin(alpha), one, 0.0 * one])
@@ -101,7 +103,7 @@ def _fly(medium: Medium, start: Point, alpha: Array, time: Array, steps: int, ke
 
 
 def shoot(
-    medium: Medium, start: Point, end: Point, alpha: Sequence[float] | Array, time: Sequence[float] | Array, *,
+    medium: Medium, start: Point, end: Point, alpha: Sequence[float] | AnyArray, time: Sequence[float] | AnyArray, *,
     method: str = "safeguarded", fraction: float = 1.0, steps: int = 32, iterations: int = 80, tolerance: float = 1e-10,
 ) -> Shots:
     """Iterate from every pair of starting values (k,) at once.
@@ -161,16 +163,16 @@ def shoot(
 
 
 def tracks(
-    medium: Medium, start: Point, alpha: Sequence[float] | Array, time: Sequence[float] | Array, steps: int = 32
+    medium: Medium, start: Point, alpha: Sequence[float] | AnyArray, time: Sequence[float] | AnyArray, steps: int = 32
 ) -> list[Track]:
     """The extremals of k pairs ``alpha``, ``time`` at ``steps`` + 1 instants each."""
     k = len(alpha)
     first, last = np.array(alpha, dtype=float), np.array(time, dtype=float)
     _, history = _fly(medium, start, np.concatenate([first, first + DELTA]), np.tile(last, 2), steps, keep=True)
-    found = []
+    tracks = []
     for i in range(k):
         x, y, lx, ly = (history[:, c, i] for c in range(4))
         size = np.hypot(lx, ly)
         j = (lx / size * (history[:, 1, k + i] - y) - ly / size * (history[:, 0, k + i] - x)) / DELTA
-        found.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j))
-    return found
+        tracks.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j))
+    return tracks

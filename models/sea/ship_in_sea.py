@@ -33,7 +33,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Annotated, NamedTuple
 
 from ..heave import ship
@@ -43,6 +43,7 @@ from ..numeric.ramp import ramp, ramp_integral
 from ..protocol.model import Model, Requirement
 from ..protocol.variables import Rate, input_variable, margin, output, parameter
 from . import heave_response, waves
+from .changing_sea import Heave, Sea, changing_heave, doppler, steady_heave
 from .waves import GRAVITY
 
 SLOW = 0.1
@@ -128,9 +129,7 @@ class Inputs(NamedTuple):
 
     reaction: ship.Reaction
     wave_height: Annotated[Value, input_variable("m", "Significant wave height", start=2.0, display="ft")]
-    wave_period: Annotated[
-        Value, input_variable("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height")
-    ]
+    wave_period: Annotated[Value, input_variable("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height")]
     wave_direction: Annotated[
         Value,
         input_variable(
@@ -154,8 +153,7 @@ class Outputs(NamedTuple):
     ]
     margin_froude: Annotated[Value, margin("1 - V / (0.3 sqrt(g L))")]
     margin_slow_sea: Annotated[
-        Value,
-        margin("1 - change of the sea a wave period / 0.1, the worst of height, frequency and direction"),
+        Value, margin("1 - change of the sea a wave period / 0.1, the worst of height, frequency and direction")
     ]
     heave_rate: Rate
     velocity_rate: Rate
@@ -165,40 +163,11 @@ class Outputs(NamedTuple):
 Calculated = ship.Calculated
 
 
-class Sea(NamedTuple):
-    """Significant height, m, peak frequency, rad/s, direction, rad, speed of the ship, m/s."""
-
-    height: float
-    frequency: float
-    direction: float
-    speed: float
-
-
 def sea_of(u: Inputs) -> Sea:
     """The sea that the inputs describe."""
     height = u.wave_height if u.wave_height > 0.0 else 0.0
     frequency = waves.peak_frequency(height if height > CALM else CALM, u.wave_period)
     return Sea(height, frequency, u.wave_direction, u.speed)
-
-
-@lru_cache(maxsize=64)
-def _table(sea: Sea, components: heave_response.Components, hull: heave_response.Hull) -> tuple[
-    tuple[float, ...], tuple[float, ...], float
-]:
-    """Amplitudes, m, and frequencies of encounter, rad/s, of all components, and the variance of their sum, m2."""
-    height, omega_p, direction, speed = sea
-    amplitudes = heave_response.heave_amplitudes(height, omega_p, speed, direction, hull, components)
-    c, s = _doppler(sea)
-    rates = tuple(
-        x * omega_p - x * x * (mc * c - ms * s) for x, mc, ms in zip(components.x, components.cos, components.sin)
-    )
-    return amplitudes, rates, 0.5 * math.fsum(a * a for a in amplitudes)
-
-
-def _doppler(sea: Sea) -> tuple[float, float]:
-    """C' and D', rad/s."""
-    scale = sea.frequency * sea.frequency * sea.speed / GRAVITY
-    return scale * math.cos(sea.direction), scale * math.sin(sea.direction)
 
 
 def _seas(x: State) -> tuple[Sea, Sea]:
@@ -209,11 +178,11 @@ def _seas(x: State) -> tuple[Sea, Sea]:
     )
 
 
-def free_motion(t: float, x: State, p: Parameters) -> tuple[float, float, float, float]:
+def free_motion(t: float, x: State, p: Parameters) -> Heave:
     """Heave without the line, m, its rate and acceleration, and its variance, m2, without the ramp."""
     old, new = _seas(x)
     since, period = t - (x.first_look + x.looks * p.update_interval), p.update_interval
-    (c0, d0), (c1, d1) = _doppler(old), _doppler(new)
+    (c0, d0), (c1, d1) = doppler(old), doppler(new)
     # how much of the new rates has come in since the last look, s
     area = 0.0 if old == new else ramp_integral(since, period, FLOATS)
     phases = (
@@ -222,47 +191,9 @@ def free_motion(t: float, x: State, p: Parameters) -> tuple[float, float, float,
         x.doppler_sin + (x.doppler_sin_low + d0 * since + (d1 - d0) * area),
     )
     if old == new:
-        return _steady_sea(phases, old, p)
-    return _changing_sea(phases, old, new, ramp(min(1.0, max(0.0, since / period)) * period, period, FLOATS), p)
-
-
-Phases = tuple[float, float, float]
-"""P, C and D, rad."""
-
-
-def _steady_sea(phases: Phases, sea: Sea, p: Parameters) -> tuple[float, float, float, float]:
-    """`free_motion` while amplitudes and frequencies stay."""
-    amplitudes, rates, variance = _table(sea, p.sea, p.hull)
-    phase_p, phase_c, phase_d = phases
-    value = rate = acceleration = 0.0
-    sin, cos, c = math.sin, math.cos, p.sea
-    for a, w, n, mc, ms, e in zip(amplitudes, rates, c.x, c.cos, c.sin, c.phase):
-        phi = n * (phase_p - n * (mc * phase_c - ms * phase_d)) + e
-        along, across = a * cos(phi), a * w * sin(phi)
-        value += along
-        rate -= across
-        acceleration -= w * w * along
-    return value, rate, acceleration, variance
-
-
-def _changing_sea(
-    phases: Phases, old: Sea, new: Sea, blending: tuple[float, float, float], p: Parameters
-) -> tuple[float, float, float, float]:
-    """`free_motion` while they go over to those of the new sea by ``blending``, a share and its two rates."""
-    (a0, w0, _), (a1, w1, _) = _table(old, p.sea, p.hull), _table(new, p.sea, p.hull)
-    (phase_p, phase_c, phase_d), (blend, blend1, blend2) = phases, blending
-    value = rate = acceleration = variance = 0.0
-    sin, cos, c = math.sin, math.cos, p.sea
-    for b0, b1, f0, f1, n, mc, ms, e in zip(a0, a1, w0, w1, c.x, c.cos, c.sin, c.phase):
-        phi = n * (phase_p - n * (mc * phase_c - ms * phase_d)) + e
-        da, dw = b1 - b0, f1 - f0
-        a, w = b0 + blend * da, f0 + blend * dw
-        sine, cosine = sin(phi), cos(phi)
-        value += a * cosine
-        rate += blend1 * da * cosine - a * w * sine
-        acceleration += (blend2 * da - a * w * w) * cosine - (2.0 * blend1 * da * w + a * blend1 * dw) * sine
-        variance += a * a
-    return value, rate, acceleration, 0.5 * variance
+        return steady_heave(phases, old, p.sea, p.hull)
+    blending = ramp(min(1.0, max(0.0, since / period)) * period, period, FLOATS)
+    return changing_heave(phases, old, new, blending, p.sea, p.hull)
 
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
@@ -295,7 +226,8 @@ def _carry(total: float, low: float, more: float) -> tuple[float, float]:
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of the response, as `ship.advance`, and the looks that fall due within the step."""
-    z, z_rate = _responded(h, x, cubics, p, ops)
+    z, z_rate = x.response, x.response_rate
+    z, z_rate = exact_oscillation(h, z, z_rate, cubics.reaction, p.mass, p.damping, p.stiffness, ops)
     x = State(z, z_rate, *x[2:18], 1.0)
     interval = p.update_interval
     while True:
@@ -306,17 +238,10 @@ def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameter
         x = _looked(x, sea_of(Inputs(*(a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in cubics))), interval)
 
 
-def _responded(h: Value, x: State, cubics: Inputs, p: Parameters, ops: Ops) -> tuple[Value, Value]:
-    """The response to the line and its rate after ``h``, s."""
-    r0, r1, r2, r3 = cubics.reaction
-    force = -r0, -r1, -r2, -r3
-    return exact_oscillation(h, x.response, x.response_rate, force, p.mass, p.damping, p.stiffness, ops)
-
-
 def _looked(x: State, sea: Sea, interval: Value) -> State:
     """The state after a look that finds ``sea``: phases to the end of the interval, old sea gone, new one ahead."""
     old, new = _seas(x)
-    (c0, d0), (c1, d1) = _doppler(old), _doppler(new)
+    (c0, d0), (c1, d1) = doppler(old), doppler(new)
     half = 0.5 * interval
     return State(
         x.response, x.response_rate,
@@ -334,7 +259,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     free, free_rate = r * value, r * rate + r1 * value
     free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
     z, z_rate = x.response, x.response_rate
-    z_rate2 = acceleration(z, z_rate, -u.reaction, p.mass, p.damping, p.stiffness)
+    z_rate2 = acceleration(z, z_rate, u.reaction, p.mass, p.damping, p.stiffness)
     deviation = math.sqrt(variance)
     limit = 2.0 * p.sdof_tolerance * deviation
     sdof = 1.0 - abs(z) / limit if limit > 0.0 else 1.0

@@ -87,7 +87,7 @@ def closed_moments(height: float, omega_p: float) -> tuple[float, float, float]:
 @lru_cache(maxsize=8)
 def legendre_rule(n: int) -> tuple[tuple[float, float], ...]:
     """(node, weight) of the n-point Gauss-Legendre rule on [-1, 1], by Newton's method from Tricomi's start."""
-    found = []
+    rule = []
     for k in range(n):
         x = (1.0 - (1.0 - 1.0 / n) / (8.0 * n * n)) * math.cos(math.pi * (4 * k + 3) / (4 * n + 2))
         for _ in range(20):
@@ -98,8 +98,8 @@ def legendre_rule(n: int) -> tuple[tuple[float, float], ...]:
             x -= p1 / slope
             if abs(p1 / slope) < 1e-15:
                 break
-        found.append((x, 2.0 / ((1.0 - x * x) * slope * slope)))
-    return tuple(found)
+        rule.append((x, 2.0 / ((1.0 - x * x) * slope * slope)))
+    return tuple(rule)
 
 
 def _points(low: float, high: float) -> list[tuple[float, float]]:
@@ -190,15 +190,15 @@ def phases(seed: int, n: int) -> tuple[float, ...]:
     """n phases 2 pi u_i in [0, 2 pi), u_i = SplitMix64(``seed``) >> 11 times 2^-53: the same everywhere and for ever.
 
     Golden-ratio phases will not do: they cancel coherently, and the first 10 s of the sea are flat."""
-    mask, state, found = (1 << 64) - 1, seed & ((1 << 64) - 1), []
+    mask, state, angles = (1 << 64) - 1, seed & ((1 << 64) - 1), []
     for _ in range(n):
         state = (state + 0x9E3779B97F4A7C15) & mask
         z = state
         z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask
         z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
         z ^= z >> 31
-        found.append(2.0 * math.pi * ((z >> 11) * 2.0**-53))
-    return tuple(found)
+        angles.append(2.0 * math.pi * ((z >> 11) * 2.0**-53))
+    return tuple(angles)
 
 
 def spreading(s: int, directions: int) -> tuple[tuple[float, float], ...]:

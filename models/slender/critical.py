@@ -29,8 +29,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eig, svd
 
+from ..numeric.arrays import ComplexArray
 from .coefficients import Body
-from .galerkin import Complex, Matrices
+from .galerkin import Matrices
 from .modes import FUNCTIONS, matrices, roots
 from .tracking import track
 
@@ -87,14 +88,14 @@ def yaw(body: Body, u_max: float = 14.0, n: int = FUNCTIONS) -> list[float]:
     scale = 1.0 / np.sqrt(1.0 + np.abs(np.diag(m.bending)))
     k2, k0 = m.stiffness * np.outer(scale, scale), m.bending * np.outer(scale, scale)
     a, b = eig(k2, -k0, right=False, homogeneous_eigvals=True)
-    found = []
+    speeds = []
     for above, below in zip(a, b):
         # u^2 = below/above
         if abs(above) > 0.0:
             square = below / above
             if abs(square.imag) <= 1e-9 * abs(square) and 1e-8 < square.real <= u_max * u_max:
-                found.append(float(np.sqrt(square.real)))
-    return sorted(found)
+                speeds.append(float(np.sqrt(square.real)))
+    return sorted(speeds)
 
 
 def oscillatory_near(system: Matrices, u: float, omega: float, iterations: int = 30) -> tuple[float, float]:
@@ -118,11 +119,11 @@ def oscillatory(
 ) -> list[Critical]:
     """Oscillatory critical points for u in (0, ``u_max``] with omega < ``within``, by frequency (which is by mode).
 
-    Complex roots are followed from one speed of a grid to the next; where Re s changes sign, Newton finds the point.
+    ComplexArray roots are followed from one speed of a grid to the next; where Re s changes sign, Newton finds the point.
     """
     m = matrices(body, n)
     speeds = np.linspace(step, u_max, round(u_max / step))
-    found: list[Critical] = []
+    points: list[Critical] = []
     paths = track(m, speeds, within=within)
     for path in paths:
         s = path.roots[:, 0]
@@ -137,9 +138,9 @@ def oscillatory(
             except (ArithmeticError, np.linalg.LinAlgError):
                 continue
             inside = speeds[k] - step < u < speeds[k + 1] + step and omega > 1e-6
-            if inside and not any(abs(u - c.u) < 1e-8 and abs(omega - c.omega) < 1e-6 for c in found):
-                found.append(Critical(u, omega, bool(b.real > a.real)))
-    return sorted(found, key=lambda c: (c.omega, c.u))
+            if inside and not any(abs(u - c.u) < 1e-8 and abs(omega - c.omega) < 1e-6 for c in points):
+                points.append(Critical(u, omega, bool(b.real > a.real)))
+    return sorted(points, key=lambda c: (c.omega, c.u))
 
 
 def double_root_near(system: Matrices, u: float, s: float, iterations: int = 40) -> DoubleRoot:
@@ -164,8 +165,8 @@ def double_roots(
     """Double real roots with |s| < ``within`` for u in (0, ``u_max``], ascending in u: the number of real exponents is
     watched on a grid of ``step`` and Newton finds the point."""
     m = matrices(body, n)
-    found: list[DoubleRoot] = []
-    before: Complex | None = None
+    doubles: list[DoubleRoot] = []
+    before: ComplexArray | None = None
     for u in np.linspace(step, u_max, round(u_max / step)):
         s = roots(m, float(u))
         s = s[np.abs(s) < within]
@@ -177,10 +178,10 @@ def double_roots(
                     point = double_root_near(m, float(u), 0.5 * float(many[gap] + many[gap + 1]))
                 except (ArithmeticError, np.linalg.LinAlgError):
                     continue
-                if abs(point.u - u) < 3.0 * step and not any(abs(point.u - d.u) < 1e-7 for d in found):
-                    found.append(point)
+                if abs(point.u - u) < 3.0 * step and not any(abs(point.u - d.u) < 1e-7 for d in doubles):
+                    doubles.append(point)
         before = real
-    return sorted(found)
+    return sorted(doubles)
 
 
 def stability_limits(body: Body, u_max: float = 12.5, n: int = FUNCTIONS) -> list[float]:

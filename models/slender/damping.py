@@ -35,9 +35,10 @@ import math
 
 import numpy as np
 
+from ..numeric.arrays import Array
 from ..numeric.matrix_ops import Matrix, MatrixOps
 from ..numeric.ops import Value
-from .galerkin import Array, Matrices
+from .galerkin import Matrices
 
 FAST = 800.0
 """kappa, in 1/tau, above which a mode of (K0, M) is beyond the resolution that the unit promises (|s| < 125/tau)."""
@@ -118,6 +119,6 @@ def propagator(a: Array, b: Array, h: float) -> Array:
     generator[:n, :n] = h * a
     generator[:n, n : n + 1] = h * b
     generator[n, n + 1] = generator[n + 1, n + 2] = generator[n + 2, n + 3] = 1.0
-    found = exponential(generator)[:n]
-    found[:, n:] *= (1.0, h, 2.0 * h * h, 6.0 * h**3)
-    return found
+    step = exponential(generator)[:n]
+    step[:, n:] *= (1.0, h, 2.0 * h * h, 6.0 * h**3)
+    return step

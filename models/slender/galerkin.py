@@ -23,14 +23,11 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..numeric.arrays import Array, ComplexArray
 from ..numeric.matrix_ops import Matrix, MatrixOps, numbers
 from ..numeric.ops import Value
 from .coefficients import Numbers, coefficients, ends
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class StateSpace(NamedTuple):
@@ -76,12 +73,12 @@ class Matrices:
         """(D, K) at tow speed ``u``."""
         return self.nu * self.bending + u * self.damping + self.extra, self.bending + u * u * self.stiffness
 
-    def pencil(self, u: float, s: complex) -> Complex:
+    def pencil(self, u: float, s: complex) -> ComplexArray:
         """s^2 M + s D + K, shape (n, n)."""
         d, k = self.first_order(u)
         return np.asarray(s * s * self.mass + s * d + k, dtype=complex)
 
-    def speed_derivative(self, u: float, s: complex) -> Complex:
+    def speed_derivative(self, u: float, s: complex) -> ComplexArray:
         """Derivative of `pencil` by u."""
         return np.asarray(s * self.damping + 2.0 * u * self.stiffness, dtype=complex)
 
@@ -186,8 +183,8 @@ def weak_forms(n: int) -> Basis:
 
 def galerkin(body: Numbers, n: int, matrices: MatrixOps) -> Matrices:
     """The Galerkin matrices of ``body`` with ``n`` >= 2 shape functions, for numpy or CasADi."""
-    found = ends(body, matrices.scalars)
-    c = coefficients(body, found, matrices.scalars)
+    its_ends = ends(body, matrices.scalars)
+    c = coefficients(body, its_ends, matrices.scalars)
     made = weak_forms(n)
     change = matrices.constant(made.change)
     forms = {name: matrices.constant(form) for name, form in made.forms.items()}
@@ -196,9 +193,9 @@ def galerkin(body: Numbers, n: int, matrices: MatrixOps) -> Matrices:
         return change.T @ sum(getattr(c, name)[part] * form for name, form in forms.items()) @ change
 
     nose, nose1 = (change.T @ matrices.constant(values[:, None]) for values in (made.nose, made.nose1))
-    pull = 0.5 * found.tension / body.rope_length
+    pull = 0.5 * its_ends.tension / body.rope_length
     return Matrices(
         mass=total(2), kappa=made.kappa, damping=total(1), stiffness=total(0),
         force=pull * (nose - body.end_length * nose1), nu=body.damping, extra=matrices.zeros(n, n), change=made.change,
-        tension=found.tension,
+        tension=its_ends.tension,
     )  # fmt: skip

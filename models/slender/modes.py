@@ -12,11 +12,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import eig
 
+from ..numeric.arrays import ComplexArray
 from ..numeric.matrix_ops import numbers
 from .coefficients import Body
-from .galerkin import Complex, Matrices, galerkin
+from .galerkin import Matrices, galerkin
 
 FUNCTIONS = 26
 """Shape functions of the converged spectrum."""
@@ -28,12 +28,12 @@ def matrices(body: Body, n: int = FUNCTIONS) -> Matrices:
     return galerkin(body.numbers, n, numbers())
 
 
-def roots(system: Matrices, u: float) -> Complex:
+def roots(system: Matrices, u: float) -> ComplexArray:
     """All 2n exponents s at tow speed ``u``, by magnitude. Raises ``ValueError`` for a negative or infinite speed."""
     return modes(system, u, vectors=False)[0]
 
 
-def modes(system: Matrices, u: float, vectors: bool = True) -> tuple[Complex, Complex, Complex]:
+def modes(system: Matrices, u: float, vectors: bool = True) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """(s, right, left): exponents of shape (2n,) by magnitude, vectors q of shape (n, 2n) with
     pencil(u, s) q = 0 and left^H pencil(u, s) = 0 (empty if not wanted)."""
     check_speed(u)
@@ -42,6 +42,8 @@ def modes(system: Matrices, u: float, vectors: bool = True) -> tuple[Complex, Co
     if not vectors:
         s = np.linalg.eigvals(a).astype(complex)
         return s[np.argsort(np.abs(s), kind="stable")], np.empty((n, 0), complex), np.empty((n, 0), complex)
+    from scipy.linalg import eig  # loads slowly, see `exact_step`
+
     s, left, right = eig(a, left=True, right=True)
     order = np.argsort(np.abs(s), kind="stable")
     # a left vector (p, r) of the companion form has r^H M^-1 as the left vector of the pencil
@@ -55,7 +57,7 @@ def check_speed(u: float) -> None:
         raise ValueError(f"tow speed {u:g}: expected a finite number that is not negative; the body is towed nose first")
 
 
-def spectrum(system: Matrices, u: float, count: int) -> Complex:
+def spectrum(system: Matrices, u: float, count: int) -> ComplexArray:
     """The ``count`` modes of smallest magnitude at tow speed ``u``: exponents with Im s >= 0, by magnitude.
 
     The eigensolver's error is that of the largest entry; one Rayleigh quotient w^H P v / w^H P_s v, which sees the
@@ -65,17 +67,17 @@ def spectrum(system: Matrices, u: float, count: int) -> Complex:
     s, right, left = modes(system, u)
     chosen = np.flatnonzero(s.imag >= 0.0)[:count]
     d, k = system.first_order(u)
-    found = s[chosen]
-    for place, (value, v, w) in enumerate(zip(found, right[:, chosen].T, left[:, chosen].conj().T)):
+    exponents = s[chosen]
+    for place, (value, v, w) in enumerate(zip(exponents, right[:, chosen].T, left[:, chosen].conj().T)):
         mv, dv = system.mass @ v, d @ v
         below = w @ (2.0 * value * mv + dv)
         step = -(w @ (value * value * mv + value * dv + k @ v)) / below if below else 0.0
         if abs(step) < 1e-6 * abs(value):
-            found[place] = value + (step if value.imag else step.real)
-    return np.asarray(found[np.argsort(np.abs(found), kind="stable")])
+            exponents[place] = value + (step if value.imag else step.real)
+    return np.asarray(exponents[np.argsort(np.abs(exponents), kind="stable")])
 
 
-def rates_of_change(system: Matrices, u: float, s: Complex, right: Complex, left: Complex) -> Complex:
+def rates_of_change(system: Matrices, u: float, s: ComplexArray, right: ComplexArray, left: ComplexArray) -> ComplexArray:
     """ds/du = -w^H (K_u + s D_u) v / w^H (2 s M + D) v of simple roots, shape of ``s``; infinite at a double root."""
     d, _ = system.first_order(u)
     result = np.empty(len(s), complex)

@@ -23,14 +23,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from ..numeric.arrays import Array, ComplexArray
 from .coefficients import Body
-from .galerkin import Complex
 from .modes import matrices
-
-Array = NDArray[np.float64]
 
 
 def quartic(body: Body) -> Array:
@@ -48,7 +45,7 @@ def projected_quartic(body: Body) -> Array:
     return np.asarray(polynomial / polynomial[0])
 
 
-def exponents(body: Body) -> Complex:
+def exponents(body: Body) -> ComplexArray:
     """The four roots S of the quartic, in U/L, by magnitude."""
     s = np.roots(quartic(body)).astype(complex)
     return s[np.argsort(np.abs(s), kind="stable")]

@@ -18,12 +18,11 @@ least 48.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..numeric.arrays import ComplexArray
 from ..numeric.ops import FLOATS
 from .coefficients import Body, coefficients
 
-Array = NDArray[np.complex128]
 ORDER = 70
 NOSE, MIDDLE = -0.5, 0.0
 """Centres of the expansion."""
@@ -77,6 +76,6 @@ def refine(body: Body, u: float, s: complex, order: int = ORDER, centre: float =
     return here if abs(here - previous) <= 1e-9 * max(1.0, abs(here)) else complex(np.nan, np.nan)
 
 
-def spectrum(body: Body, u: float, starts: Array, order: int = ORDER, centre: float = NOSE) -> Array:
+def spectrum(body: Body, u: float, starts: ComplexArray, order: int = ORDER, centre: float = NOSE) -> ComplexArray:
     """The zeros reached from ``starts`` (exponents s, shape (k,)), nan where one is lost."""
     return np.array([refine(body, u, complex(s), order, centre) for s in starts])

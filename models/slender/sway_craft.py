@@ -111,13 +111,14 @@ def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> State:
     """x' of the response."""
     z, rate = x
-    return State(rate, acceleration(z, rate, u.lateral_force, p.mass, p.damping, p.stiffness))
+    return State(rate, acceleration(z, rate, -u.lateral_force, p.mass, p.damping, p.stiffness))
 
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
     """Exact step of ``h``, s, for a force that is a cubic of time."""
     z, rate = x
-    z, rate = exact_oscillation(h, z, rate, cubics.lateral_force, p.mass, p.damping, p.stiffness, ops)
+    f0, f1, f2, f3 = cubics.lateral_force
+    z, rate = exact_oscillation(h, z, rate, (-f0, -f1, -f2, -f3), p.mass, p.damping, p.stiffness, ops)
     return State(z, rate)
 
 

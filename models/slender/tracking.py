@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from .galerkin import Complex, Matrices
+from ..numeric.arrays import Array, ComplexArray
+from .galerkin import Matrices
 from .modes import modes, rates_of_change
-
-Array = NDArray[np.float64]
 
 
 @dataclass
@@ -29,7 +28,7 @@ class Path:
     """One mode over the speeds: ``roots`` of shape (len(speeds), 2), with Im >= 0 first, the larger first where both are
     real."""
 
-    roots: Complex
+    roots: ComplexArray
 
     @property
     def total(self) -> Array:
@@ -78,28 +77,28 @@ def _ordered(a: complex, b: complex) -> tuple[complex, complex]:
     return (a, b) if (a.imag, a.real) >= (b.imag, b.real) else (b, a)
 
 
-def _conjugate(s: Complex, i: int) -> int:
+def _conjugate(s: ComplexArray, i: int) -> int:
     return int(np.argmin(np.abs(s - np.conj(s[i]))))
 
 
-def _pairs(s: Complex, within: float) -> list[tuple[int, int]]:
+def _pairs(s: ComplexArray, within: float) -> list[tuple[int, int]]:
     """Conjugate pairs and neighbouring real exponents, by magnitude of the first; a last single real one joins the next
     real one beyond ``within``, if there is one."""
-    found: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     waiting: int | None = None
     for i, value in enumerate(s):
         if value.imag > 0.0 and abs(value) < within:
-            found.append((i, _conjugate(s, i)))
+            pairs.append((i, _conjugate(s, i)))
         elif value.imag == 0.0:
             if waiting is not None:
-                found.append((waiting, i))
+                pairs.append((waiting, i))
                 waiting = None
             elif abs(value) < within:
                 waiting = i
-    return sorted(found)
+    return sorted(pairs)
 
 
-def _repair(pairs: list[tuple[int, int]], s: Complex) -> list[tuple[int, int]]:
+def _repair(pairs: list[tuple[int, int]], s: ComplexArray) -> list[tuple[int, int]]:
     """Partners such that every pair is conjugate or real: complex exponents get their conjugate, real ones left without
     partner find each other in the order of the paths."""
     result: list[tuple[int, int] | None] = []

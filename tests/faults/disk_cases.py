@@ -109,10 +109,10 @@ def damaged(pattern: str) -> Callable[[Path], contextlib.AbstractContextManager[
     def during(directory: Path) -> Iterator[None]:
         with _cache(directory / "cache"):
             _run_before(directory)
-            found = list((directory / "cache").rglob(pattern))
-            assert found
+            files = list((directory / "cache").rglob(pattern))
+            assert files
             store._python.cache_clear()  # as in another process
-            for file in found:
+            for file in files:
                 os.truncate(file, file.stat().st_size // 2)
             yield
 

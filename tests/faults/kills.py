@@ -1,7 +1,7 @@
 """Writers that are killed in the middle: ``python -m tests.faults.kills WRITER COUNT SEED`` prints what was found after.
 
-Each time a fork writes old and new content in turn, as fast as it can, until SIGKILL ends it after a random time; then the
-file must be one of the two, whole. A program of its own, because a process with threads should not fork.
+Each time a fork writes old and new content in turn, as fast as it can, until SIGKILL ends it within a random one of its
+writes; then the file must be one of the two, whole. A program of its own, because a process with threads should not fork.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ from towage.fmus.describe import archive as archive_writer
 from towage.result.result import Result
 from towage.units.archive import extract, unpacked
 
-LONGEST = 0.03
-"""A writer lives up to so long, s: some ten files."""
+MOST_WRITES = 10
+"""A writer begins at most so many, and one at least."""
+LATEST = 0.003
+"""A writer is killed up to so long after it began its last write, s: anywhere in it."""
 SAMPLES = 3000
 Write = Callable[[int], None]
 Check = Callable[[], str]
@@ -43,9 +45,9 @@ def npz(directory: Path) -> tuple[Write, Check]:
     path = directory / "result.npz"
 
     def check() -> str:
-        found = Result.load_npz(path)
-        whole = found["a.x"].tobytes() == (np.arange(float(SAMPLES)) + int(found.title)).tobytes()
-        return f"content {found.title}" if whole else "torn"
+        result = Result.load_npz(path)
+        whole = result["a.x"].tobytes() == (np.arange(float(SAMPLES)) + int(result.title)).tobytes()
+        return f"content {result.title}" if whole else "torn"
 
     return lambda value: _result(value).save_npz(path), check
 
@@ -100,28 +102,34 @@ WRITERS = {f.__name__: f for f in (npz, csv, fmu, unpacking)}
 def main(name: str, count: int, seed: int) -> Counter[str]:
     """What was found after each of ``count`` kills."""
     chance = random.Random(seed)
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         directory = Path(folder)
         write, check = WRITERS[name](directory)
         write(0)
         for k in range(count):
+            begun, tell = os.pipe()
             pid = os.fork()
             if not pid:
                 try:
                     value = k
                     while True:
                         value += 1
+                        os.write(tell, b".")
                         write(value % 2)
                 finally:
                     os._exit(1)  # a writer that fails ends before it is killed
-            time.sleep(chance.uniform(0.0, LONGEST))
+            os.close(tell)
+            for _ in range(chance.randint(1, MOST_WRITES)):
+                os.read(begun, 1)
+            time.sleep(chance.uniform(0.0, LATEST))
             os.kill(pid, signal.SIGKILL)
             _, status = os.waitpid(pid, 0)
-            found["killed" if os.WIFSIGNALED(status) else "failed"] += 1
-            found[check()] += 1
-        found["left behind"] = sum(1 for entry in directory.iterdir() if entry.name.startswith("."))
-    return found
+            os.close(begun)
+            counts["killed" if os.WIFSIGNALED(status) else "failed"] += 1
+            counts[check()] += 1
+        counts["left behind"] = sum(1 for entry in directory.iterdir() if entry.name.startswith("."))
+    return counts
 
 
 if __name__ == "__main__":

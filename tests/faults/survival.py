@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
+
+from tests.held_clock import hold
 from towage.cli import main
 
 SILENCE = "2"
@@ -56,9 +59,16 @@ class Outcome(NamedTuple):
 def run(case: Case, directory: Path) -> Outcome:
     """``towage run`` of the case's scene."""
     scene, out = case.scene(directory), directory / "out"
-    printed = io.StringIO()
+    printed, hung = io.StringIO(), directory / "hung"
+    hung.mkdir()
     command = ["run", str(scene), "--out", str(out), "--no-report", "--progress", "none", "--timeout", SILENCE]
-    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed), case.during(directory):
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        contextlib.redirect_stdout(printed),
+        contextlib.redirect_stderr(printed),
+        case.during(directory),
+    ):
+        hold(patch, hung)
         code = main([*command, "--flavour", "python"])
         return Outcome(code, printed.getvalue(), _last_time(out))
 
@@ -74,10 +84,10 @@ def problem(case: Case, outcome: Outcome) -> str:
     return ""
 
 
-def _agree(wanted: float | None, found: float | None) -> bool:
-    if wanted is None or found is None:
-        return wanted == found or (wanted is not None and math.isnan(wanted))
-    return math.isnan(wanted) or abs(wanted - found) < 1e-9  # times are multiples of the step but for rounding
+def _agree(wanted: float | None, ended: float | None) -> bool:
+    if wanted is None or ended is None:
+        return wanted == ended or (wanted is not None and math.isnan(wanted))
+    return math.isnan(wanted) or abs(wanted - ended) < 1e-9  # times are multiples of the step but for rounding
 
 
 def scene(directory: Path, units: dict[str, Path], connections: list[str], **more: str) -> Path:

@@ -58,8 +58,8 @@ def main() -> int:
     for group, count in injected.items():
         print(f"| {group} | {count} | {survived[group]} |")
     for name in WRITERS:
-        found = kill(name, KILLS, 1)
-        whole = found["content 0"] + found["content 1"]
+        counts = kill(name, KILLS, 1)
+        whole = counts["content 0"] + counts["content 1"]
         bad += whole != KILLS
         print(f"| kill -9 while writing {name} | {KILLS} | {whole} |")
     print(f"\n{time.monotonic() - begin:.0f} s; the process that ran them is {os.getpid()}, as at the start.\n")

@@ -31,9 +31,9 @@ UNITS = 1000
 def _resident() -> int:
     """Memory of this process, bytes."""
     text = Path("/proc/self/status").read_text(encoding="ascii")
-    found = re.search(r"VmRSS:\s+(\d+) kB", text)
-    assert found
-    return int(found[1]) << 10
+    size = re.search(r"VmRSS:\s+(\d+) kB", text)
+    assert size
+    return int(size[1]) << 10
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
@@ -44,7 +44,7 @@ def test_memory_does_not_grow_over_a_million_steps(tmp_path: Path, scheme: str) 
     stop = STEP * STEPS
     long = replace(loaded, coupling=coupling, stop_time=stop, record=replace(loaded.record, interval=stop / 10.0))
     seen: list[tuple[float, int]] = []
-    result = Master(long).run(lambda share, text: seen.append((share, _resident())))
+    result = Master(long, flavour="python").run(lambda share, text: seen.append((share, _resident())))
     assert result.status == "done", result.message
     assert result.statistics["steps"] == STEPS
     early = next(size for share, size in seen if share > 0.1)
@@ -59,7 +59,7 @@ def test_a_thousand_units(tmp_path: Path) -> None:
     names = [f"u{k}" for k in range(UNITS)]
     connections = [f"{a}.y -> {b}.u" for a, b in itertools.pairwise(names)]
     first = {"units.u0.parameters": "x0 = 1.0"}
-    result: Result = Master(Scene.load(scene(tmp_path, dict.fromkeys(names, fmu), connections, **first))).run()
+    result: Result = Master(Scene.load(scene(tmp_path, dict.fromkeys(names, fmu), connections, **first)), flavour="python").run()
     assert result.status == "done", result.message
     t = result.time[-1]
     assert result["u1.y"][-1] == pytest.approx(t, rel=1e-12)

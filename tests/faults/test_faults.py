@@ -45,10 +45,10 @@ def test_writer_killed(writer: str, kills: int) -> None:
     command = [sys.executable, "-m", "tests.faults.kills", writer, str(kills), str(kills)]
     done = subprocess.run(command, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, timeout=120)
     assert not done.returncode, done.stderr
-    found = json.loads(done.stdout)
-    assert found["killed"] == kills
-    assert found.get("content 0", 0) + found.get("content 1", 0) == kills, found
-    assert found["content 1"]
+    counts = json.loads(done.stdout)
+    assert counts["killed"] == kills
+    assert counts.get("content 0", 0) + counts.get("content 1", 0) == kills, counts
+    assert counts["content 1"]
 
 
 def test_processes_that_build_and_unpack_at_once_all_succeed(tmp_path: Path) -> None:

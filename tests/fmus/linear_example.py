@@ -146,7 +146,7 @@ def schedule(u: Inputs, p: Parameters, constants: Constants, ops: Ops) -> Value:
 def drive(own: Own, cubics: Inputs, p: Parameters, constants: Any, ops: Ops) -> Any:
     """The force, and its integral, of degree 4."""
     a, b, c, d = cubics.force
-    return (a, b, c, d), (own.impulse, a, b / 2.0, c / 3.0, d / 4.0)
+    return (a, b, c, d, 0.0), (own.impulse, a, b / 2.0, c / 3.0, d / 4.0)
 
 
 def own_after(h: Value, own: Own, cubics: Inputs, p: Parameters, constants: Any, ops: Ops) -> tuple[Value, ...]:

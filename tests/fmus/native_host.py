@@ -11,14 +11,16 @@ import fmpy
 
 from towage.fmus.declare.unit import load
 from towage.fmus.native import build as native_fmu
-from towage.fmus.native.build import RUNTIME
+from towage.fmus.native.build import RUNTIME, runtime_sources
 from towage.fmus.native.compiler import compiler, host
 from towage.fmus.native.traced import Traced
 
 from .cases import CASES
 
 HOST = Path(__file__).parent / "host"
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{RUNTIME}")
+STANDARD = (f"-I{RUNTIME / 'fmi2'}", f"-I{RUNTIME / 'fmi3'}")
+"""Where the headers of the standard are."""
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", *STANDARD)
 ESTIMATED = ("margin_resolution", "margin_inextensible")
 """Margins of the errors of linear units that one flavour measures and the other estimates."""
 Sines = dict[str, tuple[float, float]]
@@ -79,10 +81,11 @@ def unpack(fmu: Path, fmi: int, directory: Path, step: float = 0.1, steps: int =
 
 
 def write_sources(traced: Traced, directory: Path) -> list[Path]:
-    """``model.c`` and ``unit.c`` of a unit."""
+    """All C files of a unit with both versions of FMI; headers are written beside them."""
     members = native_fmu.contents(traced, 2, "")
+    sources = runtime_sources(2) | runtime_sources(3)
+    sources |= {name: members[f"sources/{name}"] for name in ("model.c", "unit.c")}
     directory.mkdir(parents=True, exist_ok=True)
-    found = [directory / "model.c", directory / "unit.c"]
-    for path in found:
-        path.write_bytes(members[f"sources/{path.name}"])
-    return found
+    for name, text in sources.items():
+        (directory / name).write_bytes(text)
+    return [directory / name for name in sources if name.endswith(".c")]

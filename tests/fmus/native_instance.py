@@ -8,11 +8,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from towage.fmus.native.build import runtime_sources
 from towage.fmus.native.compiler import compiler, host
 from towage.fmus.native.source import model_source, unit_source
 from towage.fmus.native.traced import Traced
 
-NATIVE = Path(__file__).parents[2] / "fmus" / "native" / "runtime"
 FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-fPIC")
 DONE, REFUSED, NO_STEP = range(3)
 CO_SIMULATION, MODEL_EXCHANGE = range(2)
@@ -21,28 +21,33 @@ TOLERANT = {"model.c"}
 """Generated files, in which unused variables are no mistake."""
 
 
-def compile_library(files: Iterable[Path], path: Path) -> ctypes.CDLL:
-    """The library of the sources, all symbols visible."""
+def compile_library(names: Iterable[str], path: Path, **more: str) -> ctypes.CDLL:
+    """The library of the runtime's files ``names`` and of ``more``, text by name without suffix; all symbols visible."""
+    folder = path.parent / f"{path.stem}_sources"
+    folder.mkdir()
+    for name, text in (runtime_sources(2) | {f"{name}.c": text.encode() for name, text in more.items()}).items():
+        (folder / name).write_bytes(text)
     objects = []
-    for file in files:
-        objects.append(path.parent / f"{path.stem}_{file.stem}.o")
-        flags = [f for f in FLAGS if file.name not in TOLERANT or not f.startswith("-W")]
-        subprocess.run([*compiler(host()), *flags, f"-I{NATIVE}", "-c", str(file), "-o", str(objects[-1])], check=True)
+    for name in (*names, *(f"{name}.c" for name in more)):
+        objects.append(folder / f"{name}.o")
+        flags = [f for f in FLAGS if name not in TOLERANT or not f.startswith("-W")]
+        subprocess.run([*compiler(host()), *flags, "-c", str(folder / name), "-o", str(objects[-1])], check=True)
     subprocess.run([*compiler(host()), "-shared", *map(str, objects), "-o", str(path), "-lm"], check=True)
     return ctypes.CDLL(str(path))
 
 
 def unit_library(traced: Traced, directory: Path) -> ctypes.CDLL:
     """The library of a unit with the runtime, without FMI."""
-    (directory / "model.c").write_text(model_source(traced.functions))
-    (directory / "unit.c").write_text(unit_source(traced, "token"))
-    runtime = [file for file in sorted(NATIVE.glob("*.c")) if not file.name.startswith("fmi")]
-    look = directory / "look.c"
-    look.write_text('#include "instance.h"\nconst char *message(Instance *);\n'
-                    "const char *message(Instance *it) { return it->message; }\n")  # fmt: skip
-    found = compile_library([*runtime, look, directory / "model.c", directory / "unit.c"], directory / "unit.so")
-    found.instance_new.restype, found.message.restype = ctypes.c_void_p, ctypes.c_char_p
-    return found
+    look = (
+        '#include "instance.h"\nconst char *message(Instance *);\n'
+        "const char *message(Instance *it) { return it->message; }\n"
+    )
+    runtime = [name for name in runtime_sources(2) if name.endswith(".c") and not name.startswith("fmi")]
+    library = compile_library(
+        runtime, directory / "unit.so", look=look, model=model_source(traced.functions), unit=unit_source(traced, "token")
+    )
+    library.instance_new.restype, library.message.restype = ctypes.c_void_p, ctypes.c_char_p
+    return library
 
 
 def doubles(values: Sequence[float] | int) -> Any:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import math
 import sys
-from types import ModuleType, SimpleNamespace
+from dataclasses import fields
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from towage.fmus.python.inline import floats, inlined_module
+from towage.fmus import UNITS
+from towage.fmus.declare.unit import load
+from towage.fmus.python.inline import STEPPED, floats, inlined_module
 from towage.models.heave import cradle, cradle_on_line, spring_line
 from towage.models.numeric.ops import FLOATS
 
@@ -82,6 +87,18 @@ def test_components_become_positions_where_an_annotation_names_them(tmp_path_fac
     inlined = inlined_module(module(tmp_path_factory.mktemp("source")))
     # x and y by position, the field of the same name of anything else as it is
     assert inlined.components((2.0, 3.0), (5.0, 7.0), SimpleNamespace(a=11.0)) == 2.0 + 3.0 + 7.0 + 11.0
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_no_function_is_left_out(name: str) -> None:
+    """Every function of a model that takes states, modes or inputs takes them by position in an FMU."""
+    model = load(name).model
+    kinds = {"x", "m", "u", "du", "own", "cubics"}
+    for record in (model, model.linear):
+        for field in fields(record) if record else ():
+            function = getattr(record, field.name)
+            if isinstance(function, FunctionType) and kinds & set(inspect.signature(function).parameters):
+                assert field.name in STEPPED, field.name
 
 
 def test_models_are_left_alone() -> None:

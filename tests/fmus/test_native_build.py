@@ -19,6 +19,7 @@ from fmpy.validation import validate_fmu
 
 from towage.fmus import UNITS
 from towage.fmus.declare.unit import BuildError, load
+from towage.fmus.native import build as native_build
 from towage.fmus.native import compiler
 from towage.fmus.native.build import build, package
 from towage.fmus.native.trace import trace
@@ -98,7 +99,7 @@ def test_only_the_standard_is_exported(fmi: int, built: Built, tmp_path: Path) -
     table = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60).stdout
     names = {line.split()[-1] for line in table.splitlines()}
     # every function of the standard is declared there as: FMI2_Export fmi2ResetTYPE fmi2Reset;
-    header = (ROOT / "fmus" / "native" / "runtime" / f"fmi{fmi}Functions.h").read_text()
+    header = (ROOT / "fmus" / "native" / "runtime" / f"fmi{fmi}" / f"fmi{fmi}Functions.h").read_text()
     assert names == set(re.findall(rf"\bfmi{fmi}\w+TYPE\s+(fmi{fmi}\w+);", header)) and len(names) > 40
 
 
@@ -146,6 +147,11 @@ def test_only_what_changed_is_built(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         path.write_bytes(damage)
         assert build("ship", tmp_path) == (path, True)
         assert path.read_bytes() == good
+    traced: list[str] = []
+    monkeypatch.setattr(native_build, "trace", lambda unit, structure: traced.append(unit.name) or trace(unit, structure))
+    assert build("ship", tmp_path) == (path, False) and not traced, "nothing is traced that is up to date"
+    path.write_bytes(good[: len(good) // 2])
+    assert build("ship", tmp_path) == (path, True) and traced == ["ship"]
     monkeypatch.setattr(compiler, "FLAGS", (*compiler.FLAGS, "-O1"))
     assert build("ship", tmp_path) == (path, True), "other flags, another library"
 

@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, matrix_balance, solve_continuous_lyapunov
 
-from .native_instance import NATIVE, compile_library, doubles
+from .native_instance import compile_library, doubles
 
 RANDOM = np.random.default_rng(1)
 
 
 @pytest.fixture(scope="module")
 def dense(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    found = compile_library([NATIVE / "dense.c", NATIVE / "eigen.c"], tmp_path_factory.mktemp("dense") / "dense.so")
-    for function in (found.exponential, found.eigenvalues, found.schur, found.lu_factor):
+    library = compile_library(["dense.c", "eigen.c"], tmp_path_factory.mktemp("dense") / "dense.so")
+    for function in (library.exponential, library.eigenvalues, library.schur, library.lu_factor):
         function.restype = ctypes.c_bool
-    return found
+    return library
 
 
 def column_major(a: Any) -> Any:

@@ -16,9 +16,9 @@ from towage.fmus.native.trace import trace
 from . import linear_example
 from .cases import NATIVE
 from .conftest import compiler_found
-from .native_host import HOST, RUNTIME, compile_c, write_sources
+from .native_host import HOST, compile_c, write_sources
 
-SANITIZERS = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", f"-I{RUNTIME}")
+SANITIZERS = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
 
 LINEAR: dict[str, tuple[str, dict[str, float]]] = {
     "tow_system": ("tow_system", {"segments": 4.0, "extensible": 0.0}),
@@ -60,8 +60,8 @@ def fuzz(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int, int], 
     def program(name: str) -> Path:
         base, structure = LINEAR.get(name, (name, {}))
         traced = trace(linear_example.unit(linear_example) if name == EXAMPLE else usable(load(base)), structure)
-        sources = [*RUNTIME.glob("*.c"), *HOST.glob("fuzz*.c"), *write_sources(traced, directory / name)]
-        return compile_c(sources, directory / f"fuzz_{name}", *SANITIZERS)
+        sources = [*HOST.glob("fuzz*.c"), *write_sources(traced, directory / name)]
+        return compile_c(sources, directory / f"fuzz_{name}", *SANITIZERS, f"-I{directory / name}")
 
     def run(name: str, seed: int, calls: int) -> str:
         done = subprocess.run(

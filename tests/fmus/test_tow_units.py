@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from towage.fmus.declare.unit import load
-from towage.fmus.python.build import staged_modules
 from towage.fmus.python.instance import Instance
 from towage.fmus.python.values import CallError
 from towage.models.cable.parameters import TowParameters, tow_of
@@ -122,14 +121,6 @@ def test_state_restores_to_the_bit(name: str) -> None:
     other.restore(saved)
     instance = other
     assert advance(5, 10) == once
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_fmu_carries_the_modules_it_needs(name: str) -> None:
-    staged = set(staged_modules(name))
-    assert f"models/{load(name).model.__name__.split('.models.')[1].replace('.', '/')}.py" in staged
-    if name in LINEAR:
-        assert {"models/numeric/exact_step.py", "models/cable/lumped/reduction.py", "models/numeric/ops.py"} <= staged
 
 
 @pytest.mark.parametrize(

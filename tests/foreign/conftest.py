@@ -15,14 +15,14 @@ HERE = Path(__file__).parent
 @pytest.fixture(scope="session")
 def hidden_mass(tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
     """PythonFMU's, by whether its description offers to save and restore the state."""
-    found = {}
+    paths = {}
     for offers in (False, True):
         directory = tmp_path_factory.mktemp("pythonfmu")
         shutil.copy(HERE / "hidden_mass.py", directory)
         command = [sys.executable, "-m", "pythonfmu", "build", *(["--handle-state"] if offers else [])]
         subprocess.run([*command, "-f", "hidden_mass.py"], cwd=directory, check=True, capture_output=True, timeout=60)
-        found[offers] = directory / "HiddenMass.fmu"
-    return found
+        paths[offers] = directory / "HiddenMass.fmu"
+    return paths
 
 
 @pytest.fixture(scope="session")

@@ -27,6 +27,16 @@ static volatile int zero = 0;
 static int (*volatile deeper)(int);
 static int deep(int level) { volatile char frame[4096]; frame[level & 4095] = 1; return deeper(level + 1) + frame[0]; }
 
+/* Tell the clock of the test (tests/held_clock.py) that this process hangs from now on. */
+static void announce(void)
+{
+    const char *directory = getenv("TOWAGE_TEST_HUNG");
+    char path[4096];
+    if (!directory) return;
+    snprintf(path, sizeof path, "%s/%ld", directory, (long)getpid());
+    fclose(fopen(path, "w"));
+}
+
 /* The status that a call returns; what is worse happens here. */
 static int due(Unit *unit, const char *where)
 {
@@ -45,6 +55,7 @@ static int due(Unit *unit, const char *where)
     if (IS("abort")) abort();
     if (IS("kill")) raise(SIGKILL);
     if (IS("leave")) exit(0);
+    if (IS("hang") || IS("spin")) announce();
     if (IS("hang")) for (;;) sleep(1);
     if (IS("spin")) while (!zero) ;
     if (IS("free twice")) { void *volatile p = malloc(64); free(p); free(p); }

@@ -11,6 +11,7 @@ import pytest
 from towage.errors import SceneError
 from towage.process.worker import run_isolated
 from towage.result.result import Result
+from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
 
 from .units import hostile
@@ -32,7 +33,7 @@ def run(units: dict[str, dict[str, Any]], connections: list[str], **coupling: ob
         "units": units,
         "coupling": {"step": STEP, "error_estimate": False, **coupling},
     }
-    result = run_isolated(Scene.from_dict(scene))
+    result = run_isolated(resolve(Scene.from_dict(scene)))
     assert result.status == "done", result.message
     return result
 

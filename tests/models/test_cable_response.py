@@ -162,20 +162,13 @@ def test_shooting_agrees_until_its_modes_lose_independence() -> None:
         respond_by_shooting(deep_tow(1200.0, 6.0), 2.0 * math.pi * 0.8, HEAVE)
 
 
-def test_method_chooses_the_solver() -> None:
+def test_shooting_on_the_mesh_that_it_is_given() -> None:
     short, omega = deep_tow(600.0, 6.0), 2.0 * math.pi * 0.3
-    shot = respond(short, omega, HEAVE, method="shooting")
-    assert np.array_equal(ends(shot), ends(respond_by_shooting(short, omega, HEAVE)[0]))
-    # on the mesh that it is given
     state = halved(mesh(short, omega))
-    fine = respond(short, omega, HEAVE, state, method="shooting")
-    assert fine.tension.shape == (len(state.edges) - 1, shot.tension.shape[1])
+    fine, _ = respond_by_shooting(short, omega, HEAVE, state)
+    assert fine.tension.shape == (len(state.edges) - 1, respond(short, omega, HEAVE).tension.shape[1])
     # the integrator's 1e-12 and 1e-16 times a condition number below 1e5
     assert np.abs(ends(fine) / ends(respond(short, omega, HEAVE, state)) - 1.0).max() < 1e-9
-    with pytest.warns(LostIndependence, match="lost their independence"):
-        respond(deep_tow(1200.0, 6.0), 2.0 * math.pi * 0.8, HEAVE, method="shooting")
-    with pytest.raises(CableError, match="expected 'collocation' or 'shooting'"):
-        respond(short, omega, HEAVE, method="guess")  # type: ignore[arg-type]
 
 
 @pytest.mark.slow

@@ -94,6 +94,31 @@ def test_energy_balance_with_slack(y0: float, v0: float, w: float, r: float) -> 
     assert energy(y, v) == pytest.approx(energy(y0, v0), abs=1e-11 * size)  # 1e-13 a step, about a hundred steps
 
 
+@pytest.mark.parametrize(
+    ("y0", "v0", "w"),
+    [
+        (0.0, 0.0, 1.0), (0.0, 2.2e-311, 1.0), (5e-324, 0.0, None), (0.0, -1e-160, None), (-1e-8, 0.0, 1.0),
+        (1e-12, 1e-13, 0.5), (0.0, 1e-8, 1e3), (1e-17, 0.0, 1.0), (2e-16, -1e-16, 2.0),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("two_way", [False, True])
+def test_motion_near_rest(y0: float, v0: float, w: float | None, two_way: bool) -> None:
+    """y0 cos t + v0 sin t, to what the stretch w - y can tell, in as many steps as a large motion takes."""
+    hull = (1e30, 0.0, 1e30)  # which the line does not move
+    run = Simulation(
+        system(0.0, 1.0, w, amplitude=0.0, hull=hull, two_way=two_way), 0.0, (0.0, 0.0, y0, v0) if two_way else (y0, v0)
+    )
+    steps: list[float] = []
+    accepted = run._accepted
+    run._accepted = lambda *step: (steps.append(step[3]), accepted(*step))[1]  # type: ignore[method-assign]
+    *_, y, v = run.advance(20.0)
+    assert len(steps) < 200
+    # a force within rounding of the stretch, at its own frequency: half of it times the time, and 1e-13 a step
+    tolerance = 10.0 * 2.0**-53 * (w or 0.0) + 1e-11 * (abs(y0) + abs(v0)) + 1e-300  # 5e-324 is rest
+    assert y == pytest.approx(y0 * math.cos(20.0) + v0 * math.sin(20.0), rel=0.0, abs=tolerance)
+    assert v == pytest.approx(v0 * math.cos(20.0) - y0 * math.sin(20.0), rel=0.0, abs=tolerance)
+
+
 def test_time_of_slack_in_closed_form() -> None:
     """Thrown up at the point of slack with speed u the body falls freely: 2 u/w without drag, then it is caught."""
     w, u = 0.5, 0.8

@@ -5,15 +5,8 @@ import math
 import pytest
 
 from towage.models.heave.system import DORMAND_PRINCE_8
-from towage.models.numeric.integrate import (
-    DORMAND_PRINCE_5,
-    IntegrationError,
-    Tableau,
-    Vector,
-    integrate,
-    interpolate,
-    unrolled,
-)
+from towage.models.numeric.integrate import SMALLEST, IntegrationError, Vector, integrate, interpolate, unrolled
+from towage.models.numeric.tableaus import DORMAND_PRINCE_5, Tableau
 
 
 def kepler(t: float, x: Vector) -> Vector:
@@ -126,6 +119,50 @@ def test_two_events_inside_one_step_are_both_seen() -> None:
     assert seen == pytest.approx([0.4, 0.6], abs=1e-11)  # the bracket is 1e-12 of the step
 
 
+@pytest.mark.parametrize(("first", "second"), [(0.45, 0.55), (0.2, 0.25), (0.3, 0.31), (0.7, 0.75)])
+@pytest.mark.parametrize("depth", [1.0, 1e-3, 1e-5])
+def test_zeros_in_a_single_step_are_seen_in_spite_of_rounding(first: float, second: float, depth: float) -> None:
+    """A shallow dip away from mid-step, or with equal values at both ends; where it has begun, the sign of 1 + g - 1 is
+    that of rounding."""
+    seen: list[float] = []
+    integrate(
+        lambda t, x: (1.0,), 0.0, (0.0,), 1.0, rtol=1e-9, atol=(1e-9,), first_step=1.0,
+        indicators=lambda t, x: (1.0 + depth * (x[0] - first) * (x[0] - second) - 1.0,),
+        on_event=lambda t, x: (seen.append(t), x)[1],  # type: ignore[func-returns-value]
+    )  # fmt: skip
+    resolution = 2.0**-52 / (depth * (second - first))  # a unit in the last place of 1 over the slope
+    assert seen == pytest.approx([first, second], abs=2.0 * resolution + 1e-11)  # the bracket is 1e-12 of the step
+
+
+def test_another_indicator_crosses_twice_before_an_event() -> None:
+    """The step that an event has cut short is looked into as well."""
+    seen: list[float] = []
+    integrate(
+        lambda t, x: (1.0,), 0.0, (0.0,), 1.0, rtol=1e-9, atol=(1e-9,), first_step=1.0,
+        indicators=lambda t, x: (x[0] - 0.9, (x[0] - 0.2) * (x[0] - 0.25)),
+        on_event=lambda t, x: (seen.append(t), x)[1],  # type: ignore[func-returns-value]
+    )  # fmt: skip
+    assert seen == pytest.approx([0.2, 0.25, 0.9], abs=1e-11)
+
+
+def test_time_goes_on_where_every_branch_leads_back() -> None:
+    """x' = -sign(x) slides along x = 0: an event follows every event."""
+    falling, events = [True], [0]
+
+    def turn(t: float, x: Vector) -> Vector:
+        falling[0] = x[0] > 0.0
+        events[0] += 1
+        return x
+
+    x, _ = integrate(
+        lambda t, x: (-1.0 if falling[0] else 1.0,), 0.0, (0.5,), 2.0, rtol=1e-9, atol=(1e-9,), first_step=0.1,
+        indicators=lambda t, x: x, on_event=turn,
+    )  # fmt: skip
+    assert abs(x[0]) < 0.01  # a tenth of the step: how far a sign is not trusted at most
+    # some hundred in each 1/10; were every one found to 1e-12 of the step, there would be 1e12 of them
+    assert events[0] < 20_000
+
+
 def test_event_that_begins_at_its_own_double_zero() -> None:
     """g = t^2 - d from g = 0 at the start for d = 0: the secant rule alone never leaves such a point."""
     seen: list[float] = []
@@ -172,6 +209,24 @@ def test_errors_too_small_to_square() -> None:
         lambda t, x: (-x[0],), 0.0, (1e-165,), 1.0, rtol=1e-9, atol=(1.0,), first_step=0.1, method=DORMAND_PRINCE_8
     )
     assert x[0] == pytest.approx(1e-165 * math.exp(-1.0), rel=1e-6)  # five steps, each five times the one before
+
+
+def test_tolerances_that_underflow() -> None:
+    """x' = -x to a relative accuracy that is less than the smallest number, or zero."""
+    for start in (1e-300, 2.2e-311, 5e-324, 0.0):
+        x, _ = integrate(lambda t, x: (-x[0],), 0.0, (start,), 1.0, rtol=1e-13, atol=(0.0,), first_step=0.1)
+        assert x[0] == pytest.approx(start * math.exp(-1.0), abs=10.0 * SMALLEST)  # that for each of some steps
+
+
+def test_indicator_at_the_smallest_number() -> None:
+    """Halved by the rule of the location, it is zero, as at the other end."""
+    seen: list[float] = []
+    integrate(
+        lambda t, x: (1.0,), 0.0, (0.0,), 1.0, rtol=1e-9, atol=(1e-9,), first_step=1.0,
+        indicators=lambda t, x: (5e-324 if x[0] < 0.3 else 0.0,),
+        on_event=lambda t, x: (seen.append(t), x)[1],  # type: ignore[func-returns-value]
+    )  # fmt: skip
+    assert seen == pytest.approx([0.3], abs=1e-11)
 
 
 def test_nothing_to_do() -> None:

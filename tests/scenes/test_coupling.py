@@ -26,7 +26,7 @@ def thesis(scheme: str, steps: int, weight: float, **options: Any) -> tuple[floa
     scene = dimensionless_scene(
         0.3, 1.0, weight, start=(orbit.state[0], orbit.state[1]), steps=steps, coupling=coupling
     )
-    return against_monolithic(Master(scene))
+    return against_monolithic(Master(scene, flavour="python"))
 
 
 def against_monolithic(master: Master) -> tuple[float, Result]:
@@ -76,7 +76,7 @@ def test_zero_order_hold_creates_energy() -> None:
         drag, 1.0, 20.0, start=(6.0, 0.0), periods=40.0, coupling={"scheme": "gauss-seidel", "step": step}
     )
     still = replace(scene.units["ship"], parameters={**scene.units["ship"].parameters, "heave_amplitude": 0.0})
-    result = Master(replace(scene, units={**scene.units, "ship": still})).run()
+    result = Master(replace(scene, units={**scene.units, "ship": still}), flavour="python").run()
     late = result["cradle.heave"][-200:]
     predicted = 3.0 * math.pi * step / (16.0 * drag)
     assert 0.5 * np.ptp(late) == pytest.approx(predicted, rel=0.01)  # first order in H of an averaging argument
@@ -88,7 +88,7 @@ def test_energy_drift_of_an_undamped_cradle(scheme: str, periods: float, limit: 
         0.0, 1.0, 10.0, start=(1.0, 0.0), periods=periods, coupling={"scheme": scheme, "step": 0.1}
     )
     still = replace(scene.units["ship"], parameters={**scene.units["ship"].parameters, "heave_amplitude": 0.0})
-    result = Master(replace(scene, units={**scene.units, "ship": still})).run()
+    result = Master(replace(scene, units={**scene.units, "ship": still}), flavour="python").run()
     energy = result["cradle.heave"] ** 2 + result["cradle.velocity"] ** 2
     assert np.max(np.abs(energy / energy[0] - 1.0)) < limit
 
@@ -101,7 +101,7 @@ def test_docking_lands_on_its_instant() -> None:
             0.3, 1.0, 10.0, start=(-1.98, -0.12), periods=4.0, steps=steps,
             coupling={"scheme": "hermite"}, cradle={"docking_time": 7.3333, "submersible_mass": 6.4689},
         )  # fmt: skip
-        error, result = against_monolithic(Master(scene))
+        error, result = against_monolithic(Master(scene, flavour="python"))
         at[steps] = error
         assert [e.time for e in result.events if e.direction == 0] == [7.3333]
     assert max(at.values()) < 1e-6
@@ -115,7 +115,7 @@ def test_two_way_with_light_and_heavy_bodies(ratio: float, weight: float) -> Non
     scene = dimensionless_scene(
         0.3, 1.1, weight, periods=40.0 * 1.1 / (2.0 * math.pi), coupling={"step": 0.1}, ship=ship
     )
-    error, result = against_monolithic(Master(scene))
+    error, result = against_monolithic(Master(scene, flavour="python"))
     assert result.status == "done"
     assert error < (1e-5 if ratio == 1.0 else 1e-3)  # measured 6e-7 to 2e-6, and 1e-5 to 2e-4 with the fast loop
 
@@ -125,7 +125,7 @@ def test_undamped_resonance_and_drag_of_any_size(drag: float) -> None:
     errors = []
     for steps in (32, 64):
         scene = dimensionless_scene(drag, 1.0, 200.0, periods=10.0, steps=steps)
-        errors.append(against_monolithic(Master(scene))[0])
+        errors.append(against_monolithic(Master(scene, flavour="python"))[0])
     assert errors[1] < 1e-5  # the growing motion of the undamped resonance is the worst of these: 2e-6
     assert errors[0] > 8.0 * errors[1]  # order 4 but for the layer in which the strongest drag takes hold
 
@@ -142,13 +142,13 @@ def test_bistable_point_keeps_both_motions() -> None:
     """B = 0.1, r = 0.5, w = 0.4 has a taut and a bouncing motion: pointwise for three periods from each."""
     for start in ((-0.04440281255062358, 0.6659072567331314), (-1.7695019446701947, -0.21476826690562847)):
         scene = dimensionless_scene(0.1, 0.5, 0.4, start=start, periods=3.0, steps=128)
-        error, _ = against_monolithic(Master(scene))
+        error, _ = against_monolithic(Master(scene, flavour="python"))
         assert error < 1e-4
 
 
 def test_chaotic_point_for_a_few_periods() -> None:
     scene = dimensionless_scene(0.3, 1.2, 0.2, periods=4.0, steps=256)
-    error, _ = against_monolithic(Master(scene))
+    error, _ = against_monolithic(Master(scene, flavour="python"))
     assert error < 1e-5  # exponent 0.38 a period: an error of 1e-6 grows five-fold
 
 
@@ -164,7 +164,7 @@ class TestErrorControl:
                 coupling=replace(scene.coupling, step=None, tolerance=tolerance),
                 record=replace(scene.record, interval=math.pi),
             )
-            errors.append(against_monolithic(Master(scene))[0])
+            errors.append(against_monolithic(Master(scene, flavour="python"))[0])
             assert errors[-1] < tolerance
         assert errors[1] < 0.1 * errors[0]
 
@@ -176,7 +176,7 @@ class TestErrorControl:
             coupling=replace(scene.coupling, step=None, tolerance=1e-4, events=False),
             record=replace(scene.record, interval=math.pi),
         )
-        error, result = against_monolithic(Master(scene))
+        error, result = against_monolithic(Master(scene, flavour="python"))
         assert result.statistics["rejected"] > 8  # at least once a period
         assert error < 1e-2
 
@@ -185,23 +185,23 @@ class TestChecksBeforeTheRun:
     def test_a_stiff_line_is_refused_with_the_step_that_would_do(self) -> None:
         scene = dimensionless_scene(0.3, 1.0, 10.0, coupling={"scheme": "extrapolate", "step": 1.5})
         with pytest.raises(SceneError, match=r"H w = 1\.5.*limit 1\.2.*at most 1\.2 s, or scheme 'hermite'"):
-            Master(scene).run()
+            Master(scene, flavour="python").run()
 
     def test_auto_changes_the_scheme_and_says_so(self) -> None:
         scene = dimensionless_scene(0.3, 1.0, 10.0, periods=4.0, coupling={"scheme": "auto", "step": 2.6})
-        result = Master(scene).run()
+        result = Master(scene, flavour="python").run()
         assert result.scheme == "implicit"
         assert "beyond the default scheme" in result.checks[0].message
 
     def test_auto_couples_a_light_ship_strongly(self) -> None:
         scene = dimensionless_scene(0.3, 1.1, 8.0, coupling={"scheme": "auto", "step": 0.45}, ship=SHIP)
-        assert Master(scene).run().scheme == "implicit"
+        assert Master(scene, flavour="python").run().scheme == "implicit"
 
     def test_what_no_scheme_carries_is_refused(self) -> None:
         scene = dimensionless_scene(0.3, 1.0, 10.0, coupling={"scheme": "auto", "step": 4.0})
         with pytest.raises(SceneError, match="cradle_on_line"):
-            Master(scene).run()
+            Master(scene, flavour="python").run()
 
     def test_zero_order_hold_is_warned_of(self) -> None:
         scene = dimensionless_scene(0.3, 1.0, 10.0, periods=1.0, coupling={"scheme": "jacobi", "step": 0.1})
-        assert any("creates energy" in c.message for c in Master(scene).check())
+        assert any("creates energy" in c.message for c in Master(scene, flavour="python").check())

@@ -160,10 +160,10 @@ def test_ssp_is_valid_and_complete(name: str, tmp_path: Path) -> None:
             source = component.find(".//ssd:ParameterBinding", NAMESPACES).get("source")
             parameters = ssd.read_ssv(BytesIO(archive.read(source))).parameters  # validates
             assert {p.name: float(p.value) for p in parameters} == unit.parameters
-    found = [dict(c.attrib) for c in root.iterfind("ssd:System/ssd:Connections/ssd:Connection", NAMESPACES)]
+    connections = [dict(c.attrib) for c in root.iterfind("ssd:System/ssd:Connections/ssd:Connection", NAMESPACES)]
     keys = "startElement", "startConnector", "endElement", "endConnector"
-    assert [tuple(c[key] for key in keys) for c in found] == [tuple(c[:4]) for c in export.resolved.connections]
-    assert {(c[a], c[b]) for c in found for a, b in (keys[:2], keys[2:])} <= connectors
+    assert [tuple(c[key] for key in keys) for c in connections] == [tuple(c[:4]) for c in export.resolved.connections]
+    assert {(c[a], c[b]) for c in connections for a, b in (keys[:2], keys[2:])} <= connectors
     units = {u.get("name") for u in root.iterfind("ssd:Units/ssc:Unit", NAMESPACES)}
     assert {e.get("unit") for e in root.iterfind(".//ssc:Real[@unit]", NAMESPACES)} == units
 

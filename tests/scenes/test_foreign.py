@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from towage.errors import RunError
-from towage.master.schemes import SCHEMES
+from towage.master.schemes import EXTRAPOLATE
 from towage.master.system import System
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
@@ -55,53 +55,55 @@ def system(library: Path, inputs: bool, outputs: int) -> System:
             "coupling": {"step": STEP, "scheme": "extrapolate"},
         }
     )  # fmt: skip
-    found = System(resolve(scene), library.parent / "unpacked")
-    found.start(0.0, 10.0)
-    return found
+    running = System(resolve(scene), library.parent / "unpacked")
+    running.start(0.0, 10.0)
+    return running
 
 
-def ends(found: System) -> tuple[float, float]:
+def ends(running: System) -> tuple[float, float]:
     """Velocity of the ship at the start and end of the first step, which is done."""
-    before = found.signals[0].value
-    SCHEMES["extrapolate"](found, 0.0, STEP)
-    return before, found.signals[0].end_value
+    before = running.signals[0].value
+    EXTRAPOLATE.step(running, 0.0, STEP)
+    return before, running.signals[0].end_value
 
 
 def test_derivatives_go_through_the_functions_of_the_standard(library: Path) -> None:
-    found = system(library, True, 1)
+    running = system(library, True, 1)
     try:
-        assert found.units[1].outputs == ["y", "y_rate"]
-        assert found.signals[1].rated
-        v0, v1 = ends(found)
-        assert found.units[1].values == pytest.approx([0.5 * STEP * (v0 + v1), v1], rel=1e-14)
+        assert running.units[1].outputs == ["y", "y_rate"]
+        assert running.signals[1].rated
+        v0, v1 = ends(running)
+        assert running.units[1].values == pytest.approx([0.5 * STEP * (v0 + v1), v1], rel=1e-14)
         # the rate makes a cubic of the integral, of which the second unit is told the chord
-        assert found.signals[1].end_rate == pytest.approx(v1, rel=1e-14)
-        assert found.units[2].values[0] == pytest.approx(0.25 * STEP**2 * (v0 + v1), rel=1e-14)
+        assert running.signals[1].end_rate == pytest.approx(v1, rel=1e-14)
+        assert running.units[2].values[0] == pytest.approx(0.25 * STEP**2 * (v0 + v1), rel=1e-14)
     finally:
-        found.close()
+        running.close()
 
 
 def test_a_unit_that_takes_no_derivatives_gets_the_mean(library: Path) -> None:
-    found = system(library, False, 0)
+    running = system(library, False, 0)
     try:
-        assert found.units[1].outputs == ["y"]
-        assert not found.signals[1].rated
-        heave, slot = found.units[0].values, found.units[0].slot["heave"]
+        assert running.units[1].outputs == ["y"]
+        assert not running.signals[1].rated
+        heave, slot = running.units[0].values, running.units[0].slot["heave"]
         before = heave[slot]
-        ends(found)
-        travelled = found.units[0].values[slot] - before
+        ends(running)
+        travelled = running.units[0].values[slot] - before
         # the mean of a cubic that has value and rate at both ends: its integral is off by h^5/720 of its fourth derivative
-        assert found.units[1].values[0] == pytest.approx(travelled, abs=1e-8)
+        assert running.units[1].values[0] == pytest.approx(travelled, abs=1e-8)
     finally:
-        found.close()
+        running.close()
 
 
 def test_a_refused_derivative_ends_the_run(library: Path) -> None:
-    found = system(library, True, 1)
+    running = system(library, True, 1)
     try:
-        unit = found.units[1]
-        unit._taken = unit._call(["u"], unit.input_buffer, 1, [2])  # an order that the unit does not take
+        unit = running.units[1]
+        wiring = unit.wiring
+        wiring.set_derivatives = wiring.arguments(["u"], unit.input_buffer, 1, [2])  # an order that the unit does not take
+        unit.advance = unit._stepper()
         with pytest.raises(RunError, match=r"first, t = 0 s: setting input derivatives returned Error"):
-            ends(found)
+            ends(running)
     finally:
-        found.close()
+        running.close()

@@ -15,8 +15,10 @@ from towage.master.master import Master
 from towage.scene import flavour
 from towage.scene.flavour import FLAVOURS, Flavour, resolve
 from towage.scene.scene import Scene, available_scenes
-from towage.units import fmu
+from towage.units.description import Description
+from towage.units.fmu import Unit, UnitFactory
 from towage.units.store import native_place
+from towage.units.wiring import Wanted
 
 pytest.importorskip("casadi")
 if not shutil.which("cc"):
@@ -37,9 +39,9 @@ CASES = [
 ]  # fmt: skip
 
 
-def prepared(name: str, case: str | None, chosen: Flavour) -> Master:
+def prepared(name: str, case: str | None, chosen: Flavour, make_unit: UnitFactory = Unit) -> Master:
     scene = Scene.load(name)
-    return Master(replace(scene, coupling=replace(scene.coupling, error_estimate=False)), case, None, chosen)
+    return Master(replace(scene, coupling=replace(scene.coupling, error_estimate=False)), case, None, chosen, make_unit)
 
 
 def apart(master: Master) -> float:
@@ -73,10 +75,16 @@ def test_verdict_and_values_are_those_of_python_units(name: str, case: str | Non
         assert difference <= limit * scale, quantity
 
 
-def test_derivatives_by_function_equal_derivatives_by_variable(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_derivatives_by_function_equal_derivatives_by_variable() -> None:
+    made = []
+
+    def make(name: str, description: Description, directory: Path, wanted: Wanted) -> Unit:
+        made.append(Unit(name, description, directory, wanted._replace(by_function=True)))
+        return made[-1]
+
     by_variable = prepared("sea_cliff", "8 s wave", "native").run()
-    monkeypatch.setattr(fmu, "BY_FUNCTION", True)
-    by_function = prepared("sea_cliff", "8 s wave", "native").run()
+    by_function = prepared("sea_cliff", "8 s wave", "native", make).run()
+    assert len(made) == 6  # three units, coupled and one way
     for name, values in by_variable.columns.items():
         assert by_function[name].tobytes() == values.tobytes(), name
 
@@ -145,7 +153,7 @@ def test_structure_follows_the_values(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flavour, "_build", note)
     monkeypatch.setattr(flavour, "native_place", lambda *_: Path("no/such/place/tow_system.fmu"))
     scene = Scene.load("tow_report_sample")
-    scene = replace(scene, connections=(), cases=(), checks=replace(scene.checks, sdof=None))
+    scene = replace(scene, connections=(), cases=(), checks=scene.checks.without("sdof"))
     fixed = scene.units["tow"].parameters | {"segments": 7.0, "extensible": 0.0}
     for parameters in (scene.units["tow"].parameters, fixed):
         units = {"tow": replace(scene.units["tow"], parameters=parameters)}

@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from towage.checks import simpler as judge_slender
+from towage.checks.simpler import SimplerCheck
 from towage.errors import SceneError
 from towage.master.master import Master
 from towage.models.numeric.ops import FLOATS
 from towage.models.numeric.oscillator import driven
 from towage.models.slender import sway_craft
 from towage.models.slender.prepared import prepare
-from towage.result.result import Check, Result
-from towage.scene.scene import Scene, SimplerCheck
+from towage.result.result import Finding, Result
+from towage.scene.scene import Checks, Scene
 from towage.tow_stability.stability import bodies
 
 Array = NDArray[np.float64]
@@ -33,16 +34,16 @@ def scene(name: str, case: str | None = None, **changes: Any) -> Scene:
 
 
 def run(chosen: Scene) -> Result:
-    result = Master(chosen).run()
+    result = Master(chosen, flavour="python").run()
     assert result.status == "done", result.message
     return result
 
 
 def without_checks(chosen: Scene) -> Scene:
-    return replace(chosen, checks=replace(chosen.checks, sdof=None, simpler=None))
+    return replace(chosen, checks=chosen.checks.without("sdof", "simpler"))
 
 
-def simpler(result: Result) -> Check:
+def simpler(result: Result) -> Finding:
     return next(c for c in result.checks if c.name == "simpler model")
 
 
@@ -51,7 +52,7 @@ def monolithic(chosen: Scene, h: float) -> tuple[Array, Array]:
     the free sway as a cubic over h, and of fourth order in h then at constant speed."""
     towed = bodies(chosen)[0]
     made, n = prepare(towed.parameters), prepare(towed.parameters).n
-    resolved = Master(chosen).resolved.units["craft"]
+    resolved = Master(chosen, flavour="python").resolved.units["craft"]
     values = {v.name: v.start for v in resolved.description.variables if v.causality == "parameter"}
     p = sway_craft.Parameters(
         **{name: float(resolved.parameters.get(name, values[name])) for name in sway_craft.Parameters.__dataclass_fields__}
@@ -126,7 +127,7 @@ def test_stable_body_behind_a_heavy_craft_is_valid() -> None:
 
 def test_light_craft_is_moved_by_the_rope() -> None:
     chosen = scene("slender_stable", "300 kg craft", stop_time=180.0)
-    result = run(replace(chosen, checks=replace(chosen.checks, simpler=None)))
+    result = run(replace(chosen, checks=chosen.checks.without("simpler")))
     assert result.verdict.word == "invalid"
     assert result.comparison is not None and result.comparison.bound is not None
     assert result.comparison.bound > 0.05
@@ -202,9 +203,8 @@ def test_words_of_the_simpler_model() -> None:
 )
 def test_faults_of_the_check_are_told(change: dict[str, Any], message: str) -> None:
     chosen = scene("slender_yaw", "full tail")
-    assert chosen.checks.simpler is not None
     with pytest.raises(SceneError, match=message):
-        Master(replace(chosen, checks=replace(chosen.checks, simpler=replace(chosen.checks.simpler, **change))))
+        Master(replace(chosen, checks=Checks({"simpler": replace(chosen.checks.get("simpler"), **change)})), flavour="python")
 
 
 def test_faults_of_the_file_are_told(tmp_path: Path) -> None:

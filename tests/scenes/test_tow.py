@@ -69,7 +69,7 @@ def test_step_operator_of_the_cable_alone_contracts() -> None:
 @pytest.mark.slow
 def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("tow_600ft")
-    result = Master(scene, "half a foot of heave").run()
+    result = Master(scene, "half a foot of heave", flavour="python").run()
     assert result.status == "done" and result.verdict.word == "valid"
     tow = towing.scene_tows(scene)[0]
     omega = 2.0 * math.pi * 0.3
@@ -96,7 +96,7 @@ def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
 def test_a_scene_without_a_tow_does_not_import_the_towing_models() -> None:
     program = (
         "import sys\nfrom towage.master.master import Master\nfrom towage.scene.scene import Scene\n"
-        "Master(Scene.load('slack')).run()\nsys.exit('towage.checks.towing' in sys.modules)"
+        "Master(Scene.load('slack'), flavour='python').run()\nsys.exit('towage.checks.towing' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
 
@@ -115,7 +115,7 @@ def joined(scene: Scene) -> Scene:
 @pytest.mark.slow
 def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
     scene = Scene.load("tow_two_units")
-    apart, whole = Master(scene).run(), Master(joined(scene)).run()
+    apart, whole = Master(scene, flavour="python").run(), Master(joined(scene), flavour="python").run()
     assert apart.status == "done" and apart.verdict.word == "valid" and apart.scheme == "hermite"
     assert whole.status == "done" and whole.verdict.word == "valid"
     omega = 2.0 * math.pi * 0.3
@@ -142,7 +142,7 @@ def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
 
 def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("float_quadrant2")
-    result = Master(scene).run()
+    result = Master(scene, flavour="python").run()
     assert result.status == "done" and result.verdict.word == "valid"
     tow = towing.scene_tows(scene)[0]
     omega = 2.0 * math.pi * 0.15
@@ -159,24 +159,24 @@ def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
 
 @pytest.mark.slow
 def test_verdict_turns_where_the_theory_is_left() -> None:
-    result = Master(Scene.load("tow_600ft"), "3 ft of heave").run()
+    result = Master(Scene.load("tow_600ft"), "3 ft of heave", flavour="python").run()
     assert result.verdict.word == "invalid"
     assert "margin_small_perturbation" in result.verdict.reason
 
 
 @pytest.mark.slow
 def test_checks_choose_the_fidelity() -> None:
-    resolved = Master(Scene.load("tow_600ft"), "half a foot of heave").resolved
+    resolved = Master(Scene.load("tow_600ft"), "half a foot of heave", flavour="python").resolved
     check = towing.before_run(resolved)[0]
     assert check.level == "ok" and "linear reduced is enough" in check.message
 
 
 @pytest.mark.slow
 def test_checks_send_a_rough_scene_to_the_nonlinear_unit() -> None:
-    heavy = Master(Scene.load("tow_heavy_weather"), "3 m of heave").resolved
+    heavy = Master(Scene.load("tow_heavy_weather"), "3 m of heave", flavour="python").resolved
     check = towing.before_run(heavy)[0]
     assert check.level == "ok" and "nonlinear is enough, the scene has nonlinear" in check.message
-    rough = Master(Scene.load("tow_600ft"), "3 ft of heave").resolved
+    rough = Master(Scene.load("tow_600ft"), "3 ft of heave", flavour="python").resolved
     check = towing.before_run(rough)[0]
     assert check.level == "warning" and "nonlinear is enough, the scene has linear" in check.message
 
@@ -215,13 +215,13 @@ def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: 
 @pytest.mark.parametrize("name", ["tow_report_sample", "tow_5km"])
 def test_long_scenes_run(name: str) -> None:
     scene = Scene.load(name)
-    result = Master(scene, scene.cases[0].name if scene.cases else None).run()
+    result = Master(scene, scene.cases[0].name if scene.cases else None, flavour="python").run()
     assert result.status == "done" and result.verdict.word == "valid"
 
 
 @pytest.mark.slow
 def test_heavy_weather_runs_near_slack() -> None:
-    result = Master(Scene.load("tow_heavy_weather"), "6 m of heave").run()
+    result = Master(Scene.load("tow_heavy_weather"), "6 m of heave", flavour="python").run()
     assert result.status == "done"
     # slack is predicted at 6.0 m by the linear model and at 6.3 m at the ends by an independent program
     assert 0.0 <= result.columns["tow.tension_least"].min() < 600.0

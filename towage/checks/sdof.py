@@ -1,89 +1,168 @@
-"""The theory of the SDOF assumption for a scene, from what its units report of themselves.
+"""The single-degree-of-freedom (SDOF) assumption: the ship drives the body, and the body does not drive the ship.
 
-Ship: ``port_mass``, ``natural_frequency``, ``damping_ratio``, ``heave_amplitude``. Line: ``port_stiffness``. Body:
-``port_mass`` or ``virtual_mass``, ``drag_factor``. A scene with other units simply has no estimate.
+A scene that names the connections back to the ship (``checks.sdof.cut``) is run a second time without them, and the two
+runs are compared:
+
+| word | meaning |
+|---|---|
+| valid | amplitude, peak tension and rms difference within the tolerance e, and the bound eps/(1 - eps) too |
+| marginal | measured differences within e, but the bound is not: a slightly different sea may break it |
+| invalid | a measured difference exceeds e |
+
+The rms difference is left out where the one-way motion does not repeat after a period.
+
+eps = |D2/D1|: amplitude of the line's reaction in the one-way run over that of the ship's dynamic stiffness times its
+motion; eps/(1 - eps) bounds the amplitude error of a steady motion rigorously. The numbers are in `comparison`.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from msgspec.structs import replace
 
-from towage.checks.verdict import component
-from towage.master.system import System
-from towage.models.heave import linear, sdof
-from towage.result.result import Check
-from towage.scene.scene import SdofCheck
+from towage.checks.check import Cell, Check, Finished, Item, Part, Start, System, window
+from towage.checks.sdof_section import SdofCheck
+from towage.errors import RunError, suggest
+from towage.result.records import Comparison, Finding, Word
+from towage.scene.parts import Variant
+from towage.scene.scene import Scene
+from towage.scene.tables import Tables
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from towage.result.result import Result
+    from towage.scene.values import Names
+
+RUN = "one-way run"
 RULE = 0.9
 """eps* <= 0.9 e promises an error below e (spec of the 1969 thesis, section 4)."""
-RATIOS = (0.2, 3.0, 281)
 
 
-def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
-    """Ship, line and body of the comparison, None if some constant is not known."""
-    units = {u.name: u for u in system.units}
-    ship = units[check.cut[0].split(" -> ")[1].split(".")[0]]
-    line = units[check.tension.split(".")[0]]
-    body = units[check.motion.split(".")[0]]
-    m1, natural, ratio, amplitude = (
-        ship.constant(n) for n in ("port_mass", "natural_frequency", "damping_ratio", "heave_amplitude")
-    )
-    k2, m2, drag = line.constant("port_stiffness"), body.constant("virtual_mass"), body.constant("drag_factor")
-    m2 = m2 or body.constant("port_mass")
-    if not (m1 and natural and amplitude and k2 and m2) or ratio is None or drag is None:
-        return None
-    return sdof.Pair(m1, 2.0 * ratio * natural * m1, natural**2 * m1, m2, k2, drag, amplitude)
+def read(scene: Scene, section: SdofCheck) -> SdofCheck:
+    """The section with its connections in their one spelling. Raises `SceneError`."""
+    window(scene, "sdof", section.tolerance, section.settle)
+    tables = Tables(scene.file)
+    cut = tuple(tables.connection(text, f"checks.sdof.cut[{k}]") for k, text in enumerate(section.cut))
+    return replace(section, cut=cut)
 
 
-def before_run(system: System, check: SdofCheck | None) -> list[Check]:
-    """The closed-form estimate as a check before the run."""
-    found = pair(system, check) if check else None
-    if not check or not found:
+def fit(names: Names, section: SdofCheck) -> None:
+    """Refuses connections and variables that do not exist. Raises `SceneError`."""
+    connections = names.scene.connections
+    for index, cut in enumerate(section.cut):
+        if cut not in connections:
+            hint = suggest(cut, connections)
+            raise names.fault(f"there is no connection {cut!r}{hint}", f"checks.sdof.cut[{index}]")
+    for field in ("driver", "motion", "tension"):
+        unit, variable = names.find(getattr(section, field), f"checks.sdof.{field}")
+        if variable.type != "Real":
+            raise names.fault(f"{unit}.{variable.name} is {variable.type}, expected Real", f"checks.sdof.{field}")
+
+
+def variants(scene: Scene) -> list[Variant]:
+    """The one-way run: the scene without the connections back to the ship."""
+    return [Variant(RUN, scene.without(scene.checks.get("sdof").cut))]
+
+
+def before(start: Start) -> list[Finding]:
+    """The closed-form estimate eps*, where the units tell enough."""
+    return _estimate(start.system, start.scene.scene.checks.get("sdof"))
+
+
+def _estimate(system: System, section: SdofCheck) -> list[Finding]:
+    from towage.checks.comparison import theory
+
+    estimate, limit = theory(system, section).estimate, RULE * section.tolerance
+    if estimate is None:
         return []
-    estimate, limit = sdof.closed_form_of(found), RULE * check.tolerance
     small = estimate <= limit
     text = "the line moves the ship little at any frequency" if small else "the line may move the ship: measure it"
     message = f"closed form over all frequencies: eps* = {estimate:.3g}, limit {limit:.3g}; {text}"
-    return [Check("SDOF eps*", "ok" if small else "warning", estimate, limit, message)]
+    return [Finding("SDOF eps*", "ok" if small else "warning", estimate, limit, message)]
 
 
-def theory(system: System, check: SdofCheck) -> dict[str, float | None]:
-    """``estimate`` eps*, and the thesis's own indicators: ``eigenvector``, the relative gap between eigenvector and
-    transmissibility (an identity), and ``frequency_shift``."""
-    found = pair(system, check)
-    if not found:
-        return {}
-    masses = found.ship_mass, found.ship_stiffness, found.mass, found.stiffness
-    return {
-        "estimate": sdof.closed_form_of(found),
-        "eigenvector": max(abs(b / a - 1.0) for a, b in sdof.eigenvector_test(*masses)),
-        "frequency_shift": sdof.frequency_shift(*masses),
-    }
+def after(run: Finished) -> list[Finding]:
+    """Sets the result's ``one_way``, ``comparison`` and ``response``; a warning where the one-way run fails."""
+    from towage.checks.comparison import compare, response
+    from towage.checks.signals import dominant_frequency
+
+    section, result = run.scene.scene.checks.get("sdof"), run.result
+    try:
+        time, one_way = run.again(RUN)
+    except RunError as error:
+        return [Finding(RUN, "warning", None, None, f"failed: {error}")]
+    if len(time) < len(result.time):
+        return [Finding(RUN, "warning", None, None, "ended early")]
+    result.one_way = {name: one_way[name] for name in result.columns if name in one_way}
+    settled = time >= section.settle
+    omega = dominant_frequency(time[settled], one_way[section.driver][settled])
+    result.comparison = compare(section, time, run.columns, one_way, run.system)
+    result.response = response(run.system, section, omega, one_way, time)
+    return _estimate(run.system, section)
 
 
-def response(
-    system: System, check: SdofCheck, omega: float | None, columns: dict[str, Array], time: Array
-) -> dict[str, Any] | None:
-    """Transmissibility over frequency with the operating point of the one-way run on it."""
-    found = pair(system, check)
-    if not found or omega is None:
+def item(result: Result) -> Item | None:
+    """The word of the comparison with the number that decided."""
+    if not (c := result.comparison):
         return None
-    ratios = np.linspace(*RATIOS)
-    sizes = [
-        linear.lorentz(found.mass, found.drag, found.stiffness, found.amplitude, r * found.cradle_frequency)[0]
-        for r in ratios
+    if c.word == "marginal":
+        return Item("marginal", "SDOF: the bound eps/(1 - eps) exceeds the tolerance", c.bound, c.tolerance)
+    numbers = {"peak tension": abs(c.peak_tension), "amplitude": abs(c.amplitude)}
+    if c.word == "invalid" or c.rms <= c.tolerance:
+        numbers["rms difference"] = c.rms
+    name = max(numbers, key=numbers.__getitem__)
+    word: Word = "valid" if c.word == "valid" else "invalid"
+    return Item(word, f"SDOF: {name} of the one-way run against the coupled run", numbers[name], c.tolerance)
+
+
+def report(result: Result) -> list[Part]:
+    """The coupled run against the one-way run, and the thesis's own indicators with what they are worth."""
+    if not (c := result.comparison):
+        return []
+    head = ("Quantity", "Value", "Meaning")
+    thesis = (
+        ("Eigenvector test", Cell(c.eigenvector, "%"), "an identity, it can never fail"),
+        ("Frequency shift", Cell(c.frequency_shift, "%"), "passes wrongly in known cases"),
+    )
+    note = "The thesis’s own two indicators, for reference; neither has a part in the verdict."
+    return [
+        Part("Coupled against one-way (single degree of freedom)", head, _measures(c), c.word, c.tolerance),
+        Part("", head, thesis, note=note),
     ]
-    settled = time >= check.settle
-    t, motion, driver = time[settled], columns[check.motion][settled], columns[check.driver][settled]
-    drive = abs(component(t, driver, omega))
-    measured = abs(component(t, motion, omega)) / drive if drive else 0.0
-    return {
-        "ratio": ratios.tolist(),
-        "amplitude": [a / abs(found.amplitude) for a in sizes],
-        "operating": [omega / found.cradle_frequency, measured],
-        "label": "equivalent linearisation",
-    }
+
+
+def _measures(c: Comparison) -> tuple[tuple[str | Cell, ...], ...]:
+    """The rows of the comparison."""
+
+    def against(value: float) -> str:
+        return "above the tolerance" if abs(value) > c.tolerance else "within the tolerance"
+
+    def known(value: float | None, meaning: str) -> str:
+        return "not available for this scene" if value is None else meaning
+
+    bound = "upper bound of the amplitude error, from the one-way run alone"
+    indicator = "reaction over dynamic stiffness of the driver, from the one-way run alone"
+    return (
+        ("Amplitude", Cell(c.amplitude, "%", True), against(c.amplitude)),
+        ("Phase", Cell(math.degrees(c.phase), "°", True), "coupled against one-way motion"),
+        ("Peak tension", Cell(c.peak_tension, "%", True), against(c.peak_tension)),
+        ("rms of the difference", Cell(c.rms, "%"), "over the rms of the one-way motion"),
+        ("Indicator ε", Cell(c.indicator), known(c.indicator, indicator)),
+        ("Bound ε/(1 − ε)", Cell(c.bound, "%"), known(c.bound, bound)),
+        ("Closed form ε*", Cell(c.estimate), known(c.estimate, "estimate of ε without any run")),
+    )
+
+
+CHECK = Check(
+    name="sdof",
+    description="Does the ship drive the body and not the body the ship?",
+    section=SdofCheck,
+    read=read,
+    fit=fit,
+    variants=variants,
+    before=before,
+    after=after,
+    item=item,
+    report=report,
+)

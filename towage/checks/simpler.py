@@ -16,19 +16,77 @@ rms(simpler - full)/rms(full - mean). The word judges the simpler model, not the
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+import msgspec
 
-from towage.checks.verdict import peak
-from towage.result.result import Check
-from towage.scene.scene import SimplerCheck
+from towage.checks.check import Check, Finished, told, window
+from towage.errors import RunError
+from towage.result.records import Finding
+from towage.scene.parts import Seconds, Variant
+from towage.scene.scene import Scene
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from towage.checks.signals import Array
+    from towage.scene.values import Names
+
+RUN = "simpler model"
+SAME_TIME = 1e-9
+"""Times closer than this, s, are one."""
+
+
+class SimplerCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[checks.simpler]``: the run is repeated with the values ``set``, which make a model simpler, and ``motions`` are
+    compared from ``settle``, s, on. ``margin`` of the simpler run tells what the simpler model says of itself."""
+
+    set: dict[str, Any]
+    motions: tuple[str, ...]
+    margin: str | None = None
+    tolerance: float = 0.05
+    settle: Seconds = 0.0
+
+
+def read(scene: Scene, section: SimplerCheck) -> SimplerCheck:
+    """Refuses values that cannot be set. Raises `SceneError`."""
+    window(scene, "simpler", section.tolerance, section.settle)
+    _simpler(scene, section)
+    return section
+
+
+def _simpler(scene: Scene, section: SimplerCheck) -> Scene:
+    """The scene with the simpler model."""
+    return scene.without_comparisons().setting(section.set, "checks.simpler.set")
+
+
+def fit(names: Names, section: SimplerCheck) -> None:
+    """Refuses motions and a margin that are not recorded. Raises `SceneError`."""
+    for k, motion in enumerate(section.motions):
+        names.recorded(motion, f"checks.simpler.motions[{k}]")
+    if section.margin:
+        names.recorded(section.margin, "checks.simpler.margin")
+
+
+def variants(scene: Scene) -> list[Variant]:
+    """The run with the simpler model."""
+    return [Variant(RUN, _simpler(scene, scene.checks.get("simpler")))]
+
+
+def after(run: Finished) -> list[Finding]:
+    """The comparison with the simpler model; a warning where its run fails."""
+    try:
+        time, simpler = run.again(RUN)
+    except RunError as error:
+        return [Finding(RUN, "warning", None, None, f"failed: {error}")]
+    return [compare(run.scene.scene.checks.get("simpler"), run.result.time, run.columns, time, simpler)]
 
 
 def differences(full: Array, simpler: Array) -> tuple[float, float]:
     """(swing, rms) difference of two motions at the same times; infinite where only one of them moves."""
+    import numpy as np
+
+    from towage.checks.signals import peak
+
     swing, spread = peak(full) + peak(-full), float(np.std(full))
     if not swing > 0.0:
         return (0.0, 0.0) if np.array_equal(full, simpler) else (math.inf, math.inf)
@@ -37,16 +95,18 @@ def differences(full: Array, simpler: Array) -> tuple[float, float]:
 
 
 def compare(
-    check: SimplerCheck, time: Array, full: dict[str, Array], simpler_time: Array, simpler: dict[str, Array]
-) -> Check:
-    """The finding, with the largest difference and the tolerance. Times are matched; a simpler run that ended early
+    check: SimplerCheck, time: Array, full: Mapping[str, Array], simpler_time: Array, simpler: Mapping[str, Array]
+) -> Finding:
+    """The finding, with the largest difference and the tolerance. Times (s) are matched; a simpler run that ended early
     counts as invalid."""
+    import numpy as np
+
     _, here, there = np.intersect1d(np.round(time, 9), np.round(simpler_time, 9), return_indices=True)
-    keep = time[here] >= check.settle
-    here, there = here[keep], there[keep]
+    settled = time[here] >= check.settle
+    here, there = here[settled], there[settled]
     change = ", ".join(f"{key} = {value}" for key, value in check.set.items())
-    if len(here) < 2 or simpler_time[-1] < time[-1] - 1e-9:
-        return Check("simpler model", "info", None, check.tolerance, f"invalid: with {change} the run ended early")
+    if len(here) < 2 or simpler_time[-1] < time[-1] - SAME_TIME:
+        return Finding(RUN, "info", None, check.tolerance, f"invalid: with {change} the run ended early")
     worst, what = 0.0, "nothing moves"
     for name in check.motions:
         swing, rms = differences(full[name][here], simpler[name][there])
@@ -56,7 +116,17 @@ def compare(
     trust = float(np.min(simpler[check.margin])) if check.margin else 1.0
     word = "invalid" if not worst <= check.tolerance else "marginal" if trust < 0.0 else "valid"
     own = f"; its {check.margin} falls to {trust:.3g}" if check.margin else ""
-    return Check(
-        "simpler model", "ok" if word == "valid" else "info", worst, check.tolerance,
-        f"{word}: with {change} the largest difference is: {what}{own}",
-    )  # fmt: skip
+    message = f"{word}: with {change} the largest difference is: {what}{own}"
+    return Finding(RUN, "ok" if word == "valid" else "info", worst, check.tolerance, message)
+
+
+CHECK = Check(
+    name="simpler",
+    description="Is a simpler model of a unit enough for this scene?",
+    section=SimplerCheck,
+    read=read,
+    fit=fit,
+    variants=variants,
+    after=after,
+    summary=lambda result: told(result, RUN),
+)

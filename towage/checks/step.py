@@ -1,8 +1,7 @@
 """What can be said before a run: will this scheme carry this loop at this step?
 
 An interface loop of stiffness K between masses m_i oscillates at w = sqrt(K sum 1/m_i). Units report K and m_i
-(``port_stiffness``, ``port_mass``). Below the limits on H w the energy of the undamped loop grows by less than 1 % a
-radian at mass ratios from 0.06 to 100 (measured: ``benchmarks/coupling.py stability``).
+(``port_stiffness``, ``port_mass``). A scheme knows its limits on H w (`towage.master.schemes`).
 """
 
 from __future__ import annotations
@@ -10,18 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from towage.master.schemes import ORDERS
-from towage.master.system import System
-from towage.result.result import Check
+from towage.checks.check import Check, Scheme, Start, System
+from towage.registry import SCHEMES
+from towage.result.records import Finding
 
 WARN = 0.5
 """H w above which the coupling error is felt: 12 steps a period."""
-LIMITS = {
-    # scheme: (one mass in the loop, more than one)
-    "hermite": (2.4, 1.2),
-    "extrapolate": (1.2, 1.2),
-    "implicit": (3.1, 1.9),
-}
 STRONG_RATIO = 0.3
 """Mass ratio above which ``auto`` prefers the implicit scheme."""
 
@@ -50,71 +43,68 @@ class Loop:
 
 def loops(system: System) -> list[Loop]:
     """Interface loops that the units' port values tell of."""
-    found = []
+    loops = []
     for i, unit in enumerate(system.units):
         stiffness = unit.constant("port_stiffness")
         if not stiffness:
             continue
         neighbours = {s.source for s in system.into[i]} & {s.target for s in system.out[i]}
         masses = {system.units[j].name: system.units[j].constant("port_mass") for j in sorted(neighbours)}
-        known = {name: m for name, m in masses.items() if m}
+        known = {name: mass for name, mass in masses.items() if mass}
         if known:
-            found.append(Loop(unit.name, known, math.sqrt(stiffness * sum(1.0 / m for m in known.values()))))
-    return found
+            frequency = math.sqrt(stiffness * sum(1.0 / mass for mass in known.values()))
+            loops.append(Loop(unit.name, known, frequency))
+    return loops
 
 
-def choose_scheme(system: System, found: list[Loop], step: float) -> tuple[str, str]:
-    """(scheme, why) for ``auto``."""
-    if not system.can_roll_back:
-        stuck = ", ".join(u.name for u in system.units if not u.can_roll_back)
-        return "extrapolate", f"{stuck} cannot save and restore the state"
-    if not system.looped:
-        return "hermite", "no unit depends on a later one: nothing has to be iterated"
-    worst = max(found, key=lambda a: a.frequency, default=None)
-    if worst:
-        two = len(worst.masses) > 1
-        if step * worst.frequency > LIMITS["hermite"][two]:
-            return "implicit", f"H w = {step * worst.frequency:.3g} in loop {worst.name} is beyond the default scheme"
-        if worst.ratio >= STRONG_RATIO and step * worst.frequency > WARN:
-            return "implicit", f"mass ratio {worst.ratio:.3g} in loop {worst.name} couples strongly"
-    return "hermite", "all units can save and restore their state"
+def largest_step(loops: list[Loop], scheme: Scheme) -> float:
+    """The largest step that the limits of the scheme allow, s; infinite if nothing limits it."""
+    return min((scheme.limit(len(loop.masses)) / loop.frequency for loop in loops), default=math.inf)
 
 
-def largest_step(found: list[Loop], scheme: str) -> float:
-    """The largest step the limits allow, s; infinite if nothing limits it."""
-    if scheme not in LIMITS:
-        return math.inf
-    return min((LIMITS[scheme][len(a.masses) > 1] / a.frequency for a in found), default=math.inf)
-
-
-def before_run(system: System, found: list[Loop], scheme: str, step: float) -> list[Check]:
-    """The a-priori checks; one of level "refused" means the run would be worth nothing."""
-    checks = []
-    if ORDERS[scheme] == 1 and system.signals:
-        checks.append(
-            Check("scheme", "warning", None, None, f"{scheme} holds inputs over the step and creates energy (damping "
-                  "ratio -H w/4): for comparison with other tools only")
-        )  # fmt: skip
-    for loop in found:
-        product = step * loop.frequency
-        limit = LIMITS.get(scheme, (math.inf, math.inf))[len(loop.masses) > 1]
-        what = f"loop {loop.name}: w = {loop.frequency:.4g} rad/s, H w = {product:.3g} at H = {step:.4g} s"
-        if product > limit:
-            other = next((s for s in LIMITS if product <= LIMITS[s][len(loop.masses) > 1]), None)
-            advice = f"a step of at most {limit / loop.frequency:.3g} s" + (f", or scheme {other!r}" if other else "")
-            merge = "" if other else ", or units that join line and cradle (cradle_on_line)"
-            checks.append(
-                Check("step", "refused", product, limit, f"{what}, limit {limit:g} for {scheme}: use {advice}{merge}")
-            )
-        elif product > WARN:
-            checks.append(Check("step", "warning", product, WARN, f"{what}: above {WARN:g} the coupling error is felt"))
-        else:
-            checks.append(Check("step", "ok", product, WARN, what))
+def before(start: Start) -> list[Finding]:
+    """Findings on scheme and step; one of level "refused" means that the run would be worth nothing."""
+    scheme, findings = start.scheme, []
+    if scheme.holds and start.system.signals:
+        message = (
+            f"{scheme.name} holds inputs over the step and creates energy (damping ratio -H w/4): for comparison with "
+            "other tools only"
+        )
+        findings.append(Finding("scheme", "warning", None, None, message))
+    for loop in loops(start.system):
+        findings.append(_of_step(loop, scheme, start.step))
         if loop.ratio:
-            strong = loop.ratio >= STRONG_RATIO
-            checks.append(
-                Check("mass ratio", "warning" if strong else "ok", loop.ratio, STRONG_RATIO,
-                      f"loop {loop.name}: masses {', '.join(f'{n} {m:.4g} kg' for n, m in loop.masses.items())}, "
-                      f"ratio {loop.ratio:.3g}" + (": they couple strongly" if strong else ""))
-            )  # fmt: skip
-    return checks
+            findings.append(_of_masses(loop))
+    return findings
+
+
+def _of_step(loop: Loop, scheme: Scheme, step: float) -> Finding:
+    """Whether the scheme carries the loop at this step, s; where it does not, what would."""
+    product, limit = step * loop.frequency, scheme.limit(len(loop.masses))
+    what = f"loop {loop.name}: w = {loop.frequency:.4g} rad/s, H w = {product:.3g} at H = {step:.4g} s"
+    if product > limit:
+        schemes = map(SCHEMES.get, SCHEMES.own)
+        other = next((s.name for s in schemes if s.limits and product <= s.limit(len(loop.masses))), None)
+        advice = f"a step of at most {limit / loop.frequency:.3g} s" + (f", or scheme {other!r}" if other else "")
+        merge = "" if other else ", or units that join line and cradle (cradle_on_line)"
+        message = f"{what}, limit {limit:g} for {scheme.name}: use {advice}{merge}"
+        return Finding("step", "refused", product, limit, message)
+    if product > WARN:
+        return Finding("step", "warning", product, WARN, f"{what}: above {WARN:g} the coupling error is felt")
+    return Finding("step", "ok", product, WARN, what)
+
+
+def _of_masses(loop: Loop) -> Finding:
+    """How strongly the masses of a loop couple."""
+    strong = loop.ratio >= STRONG_RATIO
+    masses = ", ".join(f"{name} {mass:.4g} kg" for name, mass in loop.masses.items())
+    message = f"loop {loop.name}: masses {masses}, ratio {loop.ratio:.3g}" + (": they couple strongly" if strong else "")
+    return Finding("mass ratio", "warning" if strong else "ok", loop.ratio, STRONG_RATIO, message)
+
+
+CHECK = Check(
+    name="step",
+    description="Will the scheme carry the interface loops at this step?",
+    before=before,
+    refuses=True,
+)

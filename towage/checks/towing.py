@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from towage.checks.tow_names import SPRING, UNITS
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
 from towage.models.cable.lumped.linear import tow_elastic
@@ -24,16 +25,15 @@ from towage.models.cable.parameters import TowParameters, tow_of
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import mesh, responses
 from towage.models.cable.units import tow_system
-from towage.result.result import Check
+from towage.result.records import Finding
+from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
 from towage.units.description import Value
 from towage.units.store import locator
 
-UNITS = ("tow_system", "tow_cable", "tow_cable_nonlinear")
 DEFAULT_TOLERANCE = 0.05
 PROBE_SEGMENTS, PROBE_STEPS, PROBE_PERIODS = 6, 40, 7
 """The short nonlinear run: both models have these segments, so only linearity differs."""
-SPRING = "SDOF on a spring EA/L"
 STIFF = 500.0
 """EA over the tension at the body where EA is not known."""
 
@@ -50,26 +50,26 @@ class SceneTow:
     drive: tuple[float, float] | None
 
 
-def tows(resolved: Any) -> list[SceneTow]:
+def tows(resolved: ResolvedScene) -> list[SceneTow]:
     """The towing units of a resolved scene. Raises `CableError` where one makes no sense."""
-    found = []
+    tows = []
     for name, unit in resolved.units.items():
         kind = unit.description.model_name
         if kind not in UNITS:
             continue
         values = _values(unit)
         shared = TowParameters(**{f: values[f] for f in TowParameters.__dataclass_fields__})
-        found.append(SceneTow(name, kind, values, tow_of(shared), _drive(resolved, name)))
-    return found
+        tows.append(SceneTow(name, kind, values, tow_of(shared), _drive(resolved, name)))
+    return tows
 
 
-def _values(unit: Any) -> dict[str, float]:
+def _values(unit: ResolvedUnit) -> dict[str, float]:
     start = {v.name: v.start for v in unit.description.variables if v.causality == "parameter" and v.start is not None}
     merged: dict[str, Value] = {**start, **unit.parameters}
     return {name: float(value) for name, value in merged.items() if isinstance(value, (int, float))}
 
 
-def _drive(resolved: Any, name: str) -> tuple[float, float] | None:
+def _drive(resolved: ResolvedScene, name: str) -> tuple[float, float] | None:
     for c in resolved.connections:
         if c.target_unit == name and c.target in ("velocity_heave", "top_velocity_heave"):
             values = _values(resolved.units[c.source_unit])
@@ -82,7 +82,7 @@ def _drive(resolved: Any, name: str) -> tuple[float, float] | None:
 
 def scene_tows(scene: Scene, fmus: Path | None = None) -> list[SceneTow]:
     """`tows` of a scene whose FMUs are in ``fmus`` or built when needed."""
-    return tows(scene.resolve(locator(fmus)))
+    return tows(described(scene, locator(fmus)))
 
 
 @dataclass(frozen=True)
@@ -102,11 +102,11 @@ def gains(tow: Tow, omegas: list[float]) -> list[Gain]:
     """Gains over frequency, rad/s, on one mesh."""
     state = mesh(tow, max(omegas))
     excitation = Excitation(heave=1.0) if tow.quadrant == 1 else Excitation(lift=1.0)
-    found = []
+    gains = []
     for omega in omegas:
         r = responses(tow, omega, [excitation], state)[0]
         x, y = r.displacement
-        found.append(
+        gains.append(
             Gain(
                 omega,
                 complex(r.tension[-1, -1]),
@@ -116,7 +116,7 @@ def gains(tow: Tow, omegas: list[float]) -> list[Gain]:
                 spring_gain(tow, omega),
             )
         )
-    return found
+    return gains
 
 
 def spring_gain(tow: Tow, omega: float) -> float | None:
@@ -154,31 +154,29 @@ def linearity_error(tow: Tow, velocity: float, omega: float, quadratic_drag: boo
 
 def tolerance_of(scene: Scene) -> float:
     """The relative error that a scene allows."""
-    return scene.checks.sdof.tolerance if scene.checks.sdof else DEFAULT_TOLERANCE
+    sdof = scene.checks.get("sdof")
+    return float(sdof.tolerance) if sdof else DEFAULT_TOLERANCE
 
 
-def before_run(resolved: Any) -> list[Check]:
+def before_run(resolved: ResolvedScene) -> list[Finding]:
     """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones."""
-    found = []
-    for tow in tows(resolved):
-        if tow.drive and tow.unit != "tow_cable":
-            found.append(_fidelity(tow, tow.drive, tolerance_of(resolved.scene)))
-    return found
+    tolerance = tolerance_of(resolved.scene)
+    return [_fidelity(t, t.drive, tolerance) for t in tows(resolved) if t.drive and t.unit != "tow_cable"]
 
 
-def after_run(resolved: Any) -> list[Check]:
+def after_run(resolved: ResolvedScene) -> list[Finding]:
     """Whether one degree of freedom on a spring EA/L stands for every tow of a scene. The word judges that model, not
     the run, whose verdict it leaves alone."""
     tolerance = tolerance_of(resolved.scene)
     try:
-        found = [spring_check(tow, tolerance) for tow in tows(resolved)]
+        findings = [spring_check(tow, tolerance) for tow in tows(resolved)]
     except CableError as error:
         # a run that is done keeps its result
-        found = [Check(SPRING, "warning", None, tolerance, f"not judged: {error}")]
-    return [check for check in found if check]
+        findings = [Finding(SPRING, "warning", None, tolerance, f"not judged: {error}")]
+    return [finding for finding in findings if finding]
 
 
-def spring_check(tow: SceneTow, tolerance: float) -> Check | None:
+def spring_check(tow: SceneTow, tolerance: float) -> Finding | None:
     """Body on a spring EA/L against body on the cable, at the frequency of the ship's heave; None where there is no such
     spring or no ship. Relative error of the body's heave: valid within ``tolerance``, marginal within twice that. Raises
     `CableError` where the response is refused."""
@@ -189,14 +187,14 @@ def spring_check(tow: SceneTow, tolerance: float) -> Check | None:
     right = abs(gain.body_heave)
     off = abs(gain.spring / right - 1.0) if right else math.inf
     word = "valid" if off <= tolerance else "marginal" if off <= 2.0 * tolerance else "invalid"
-    return Check(
+    return Finding(
         SPRING, "ok" if word == "valid" else "info", off, tolerance,
         f"{word}: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} heaves {gain.spring:.4g} m per metre "
         f"of the towpoint, on the cable {right:.4g} m",
     )  # fmt: skip
 
 
-def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Check:
+def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Finding:
     velocity, omega = drive
     p = tow.parameters
     name = f"fidelity of {tow.name}"
@@ -209,7 +207,7 @@ def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Check
             extensible = math.isfinite(tow.tow.cable.axial_stiffness)
             reduced = choose(tow.tow, extensible, max(omega * 1.5, 1e-3), min(0.5, wanted))
     except CableError as error:
-        return Check(name, "warning", None, wanted, f"not judged: {error}")
+        return Finding(name, "warning", None, wanted, f"not judged: {error}")
     full = unreduced_error(tow.tow, reduced, omega)
     errors = {"linear reduced": nonlinear + reduced.error, "linear full": nonlinear + full, "nonlinear": 0.0}
     need = next(k for k, e in errors.items() if e <= wanted)
@@ -219,7 +217,7 @@ def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Check
     )
     order = list(errors)
     enough = order.index(used) >= order.index(need)
-    return Check(
+    return Finding(
         name, "ok" if enough else "warning", errors[used], wanted,
         f"v/c = {velocity / tow.tow.speed:.2g}; relative errors: {listed} (of these {nonlinear:.2g} of linearity); "
         f"tolerance {wanted:g}: {need} is enough, the scene has {used}",

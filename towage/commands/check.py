@@ -21,29 +21,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """0 if every case may run, 2 if one is refused, 3 if a unit fails in its initialisation."""
     from towage.cli import complain
-    from towage.errors import TowageError
+    from towage.errors import SceneError, TowageError
 
-    scene, names = common.load(arguments)
+    scene, chosen = common.load(arguments)
     from towage.process.worker import check_isolated
 
     code = 0
     document: list[dict[str, Any]] = []
-    for name in names:
-        label = name or scene.title
+    for resolved in common.resolved(chosen, arguments):
+        case = resolved.scene.chosen
+        label = case or scene.title
         try:
-            checks = check_isolated(scene, name, arguments.fmus, arguments.timeout, arguments.flavour)
+            findings = check_isolated(resolved, arguments.timeout)
         except TowageError as error:
             complain(f"{label}: {error}")
-            document.append({"case": name or "", "checks": [], "error": str(error)})
-            code = code if code == 2 else error.exit_code
+            document.append({"case": case, "checks": [], "error": str(error)})
+            code = code if code == SceneError.exit_code else error.exit_code
             continue
-        if any(check.level == "refused" for check in checks):
-            code = 2
-        document.append({"case": name or "", "checks": [vars(check) for check in checks], "error": None})
+        if any(finding.level == "refused" for finding in findings):
+            code = SceneError.exit_code
+        document.append({"case": case, "checks": [vars(finding) for finding in findings], "error": None})
         if not arguments.json:
             print(label)
-            for check in checks:
-                print(f"  {check.level:8} {check.name}: {check.message}")
+            for finding in findings:
+                print(f"  {finding.level:8} {finding.name}: {finding.message}")
     if arguments.json:
         print(json.dumps({"cases": document}, indent=2))
     return code

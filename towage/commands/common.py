@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
+    from towage.scene.resolve import ResolvedScene
     from towage.scene.scene import Scene
-
-EXCLUSIVE = {"coupling.step": "coupling.tolerance", "coupling.tolerance": "coupling.step"}
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -47,6 +46,54 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
         default=60.0,
         help="give a case up after so long without progress (default: 60; inf: never)",
     )
+
+
+def add_one_scene(parser: argparse.ArgumentParser) -> None:
+    """The scene with at most one of its cases, its values, and where its units are."""
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("--case", metavar="NAME", help="with the values of this case (default: the scene's own)")
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        type=setting,
+        default=[],
+        help="a value in place of the scene's and its case's, as in towage run (may be repeated)",
+    )
+    add_fmus(parser)
+
+
+def one_scene(arguments: argparse.Namespace) -> Scene:
+    """The scene of `add_one_scene`, without cases. Raises `SceneError`."""
+    from towage.scene.select import select
+
+    return select(arguments.scene, arguments.case, dict(arguments.set))
+
+
+def directory(out: Path | None, scene: Scene, suffix: str = "") -> Path:
+    """``out``, or out/<scene><suffix>; made if it is missing. Raises `TowageError`."""
+    from towage.errors import TowageError
+
+    place = out or Path("out", f"{scene.file.stem if scene.file else 'scene'}{suffix}")
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TowageError(f"cannot make the directory {place}: {error.strerror}") from error
+    return place
+
+
+def positive(text: str) -> int:
+    """A whole number above 0."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number above 0")
+    return int(text)
+
+
+def points(text: str) -> int:
+    """A number of points, 2 to 1000."""
+    if not text.isdecimal() or not 2 <= int(text) <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 2 to 1000")
+    return int(text)
 
 
 def add_fmus(parser: argparse.ArgumentParser) -> None:
@@ -80,57 +127,34 @@ def seconds(text: str) -> float:
     return value
 
 
-def load(arguments: argparse.Namespace) -> tuple[Scene, list[str | None]]:
-    """The scene with the values of ``--set``, and the names of the cases to do (None: the scene itself).
+def load(arguments: argparse.Namespace) -> tuple[Scene, list[Scene]]:
+    """The scene with the values of ``--set``, and the scenes to run: each wanted case, or the scene itself.
 
-    Every case is checked against the descriptions of the units, and the FMUs that are wanted are built. Raises
-    `SceneError` and `FmuError`.
+    All cases are checked against the descriptions of the units. Raises `SceneError` and `FmuError`.
     """
-    from towage.scene.flavour import resolve
+    from towage.scene.resolve import check_all
     from towage.scene.scene import Scene
     from towage.units.store import locator
 
     scene = Scene.load(arguments.scene)
     if arguments.set:
-        scene = override(scene, dict(arguments.set))
-    names: list[str | None] = list(dict.fromkeys(arguments.case or [case.name for case in scene.cases]))
-    for name in names:
-        scene.case(name or "")
-    scene.resolve(locator(arguments.fmus))
-    for name in names or [None]:  # here, where no timeout runs; the runs find them in the cache
-        for variant in _variants(scene.case(name) if name else scene):
-            resolve(variant, arguments.fmus, arguments.flavour, _tell)
-    return scene, names or [None]
+        scene = scene.with_values(dict(arguments.set), "--set")
+    names = list(dict.fromkeys(arguments.case or [case.name for case in scene.cases]))
+    chosen = [scene.case(name) for name in names] or [scene]
+    check_all(scene, locator(arguments.fmus))
+    return scene, chosen
 
 
-def _variants(scene: Scene) -> list[Scene]:
-    """What a run of the scene runs."""
-    from msgspec.structs import replace
+def resolved(chosen: list[Scene], arguments: argparse.Namespace) -> list[ResolvedScene]:
+    """The scenes with the FMUs that are wanted, which are built here, where no timeout runs. Raises `SceneError` and
+    `FmuError`."""
+    from towage.scene.flavour import resolve
 
-    one = replace(scene, cases=())
-    return [one, one.simpler()] if one.checks.simpler else [one]
+    return [resolve(scene, arguments.fmus, arguments.flavour, _tell) for scene in chosen]
 
 
 def _tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
-
-
-def override(scene: Scene, values: dict[str, Any]) -> Scene:
-    """The scene with ``values``, which prevail over those of its cases; its source says so. Raises `SceneError`."""
-    from msgspec.structs import replace
-
-    from towage.errors import SceneError
-    from towage.scene.scene import Case
-
-    option = "--set"
-    try:
-        changed = replace(scene, cases=(Case(option, values),)).case(option)
-    except SceneError as error:
-        raise scene.error(str(error.args[0]), option) from None
-    taken = {*values, *(EXCLUSIVE[key] for key in values if key in EXCLUSIVE)}
-    cases = tuple(replace(c, set={k: v for k, v in c.set.items() if k not in taken}) for c in scene.cases)
-    note = "".join(f"# {option} {key}={value}\n" for key, value in values.items())
-    return replace(changed, cases=cases, source=f"{scene.source.rstrip()}\n\n{note}" if scene.source else "")
 
 
 @contextlib.contextmanager
@@ -141,6 +165,7 @@ def terminable() -> Iterator[None]:
         return
 
     def interrupt(number: int, frame: object) -> NoReturn:
+        """The handler of the signal."""
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGTERM, interrupt)

@@ -13,17 +13,7 @@ HELP = "write a scene as a system of OSP or SSP, for another host"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of ``towage export``."""
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
-    parser.add_argument("--case", metavar="NAME", help="with the values of this case (default: the scene's own)")
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        type=common.setting,
-        default=[],
-        help="a value in place of the scene's and its cases', as in towage run (may be repeated)",
-    )
-    common.add_fmus(parser)
+    common.add_one_scene(parser)
     parser.add_argument(
         "--flavour",
         choices=("auto", "python", "native"),
@@ -41,16 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0."""
-    from msgspec.structs import replace
-
     from towage.export.export import prepare
     from towage.scene.flavour import resolve
-    from towage.scene.scene import Scene
 
-    scene = Scene.load(arguments.scene)
-    if arguments.set:
-        scene = common.override(scene, dict(arguments.set))
-    one = replace(scene.case(arguments.case) if arguments.case else scene, cases=())
+    one = common.one_scene(arguments)
     export = prepare(resolve(one, arguments.fmus, arguments.flavour, lambda text: print(text, file=sys.stderr)))
     if arguments.osp:
         from towage.export.osp import write_osp

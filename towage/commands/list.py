@@ -16,12 +16,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0."""
-    from towage.fmus import UNITS
-    from towage.fmus.declare.unit import load
+    from towage.registry import UNITS
     from towage.scene.scene import available_scenes
 
     scenes = {scene.name: scene.title for scene in available_scenes()}
-    declared = [load(name) for name in UNITS]
+    declared = [UNITS.get(name) for name in UNITS.names()]
     units = {u.name: u.description + (" (Python flavour only)" if u.not_native else "") for u in declared}
     if arguments.json:
         document = {

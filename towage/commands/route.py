@@ -40,63 +40,21 @@ def _hours(text: str) -> float:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 with a route; every reason for having none is a `TowageError`."""
-    from towage.errors import SceneError, TowageError
-    from towage.models.route.plan import RouteError, plan
-    from towage.routing.file import load
-    from towage.routing.output import HOUR, MILE, draw, parameters_text, unit_parameters, write_csv
+    from towage.errors import SceneError
+    from towage.routing.output import parameters_text
+    from towage.routing.route import route
 
     if arguments.map and arguments.map.suffix.lower() not in (".svg", ".png", ".pdf"):
         raise SceneError(f"--map {arguments.map}: expected a name that ends in .svg, .png or .pdf")
-    given = load(arguments.file)
-    problem = given.problem
-    try:
-        found = plan(problem, method=arguments.method or given.method, cells=arguments.cells, radius=arguments.radius)
-    except RouteError as error:
-        wrong = error.reason in ("input", "outside", "forbidden")
-        raise (SceneError(str(error), file=given.path) if wrong else TowageError(f"{given.path}: {error}")) from error
+    planned = route(arguments.file, method=arguments.method, cells=arguments.cells, radius=arguments.radius)
     if arguments.csv:
-        write_csv(arguments.csv, problem, found.best)
+        planned.save_csv(arguments.csv)
     if arguments.map:
-        draw(arguments.map, given.title, problem, found, arguments.at)
+        planned.save_map(arguments.map, arguments.at)
     if arguments.parameters:
-        chosen = found.best if arguments.parameters == "best" else found.straight
-        if chosen is None:
-            raise TowageError(f"{given.path}: there is no {arguments.parameters} route: {'; '.join(found.notes)}")
-        print(parameters_text(unit_parameters(problem, chosen)), end="")
-        return 0
-    best = found.best
-    others = [r.duration / HOUR for r in found.others]
-    times = {name: r.duration / HOUR if r else None for name, r in (("straight", found.straight), ("geodesic", found.geodesic))}
-    graph = found.graph_time / HOUR if math.isfinite(found.graph_time) else None
-    distance = problem.medium.map.distance(problem.start, problem.end) / MILE
-    if arguments.json:
-        print(json.dumps({
-            "title": given.title, "kind": best.kind, "best_h": best.duration / HOUR, "other_minima_h": others,
-            "straight_h": times["straight"], "geodesic_h": times["geodesic"], "graph_h": graph, "saving": found.saving,
-            "distance_nmi": distance, "certified": best.certified,
-            "j_exact_m_per_rad": _finite(best.j_exact), "j_seed_m_per_rad": _finite(best.j_seed),
-            "beyond_forecast": found.beyond_horizon, "beyond_polar": found.beyond_polar, "tacking": found.tacking,
-            "notes": found.notes,
-        }, indent=2))  # fmt: skip
-        return 0
-    print(f"{given.title}: {distance:.1f} nmi")
-    print(f"  best route        {best.duration / HOUR:12.6f} h   ({best.kind})")
-    print(f"  second best       {others[0]:12.6f} h   (local minimum)" if others else "  second best            none found")
-    for name, hours in times.items():
-        print(f"  {name:17} {hours:12.6f} h" if hours is not None else f"  {name:17}       none")
-    if graph is not None:
-        print(f"  graph             {graph:12.6f} h   ({arguments.cells} meshes, radius {arguments.radius})")
-    if found.saving is not None:
-        print(f"  saving over the straight route: {found.saving:.2%}")
-    if best.certified and math.isfinite(best.j_exact):
-        print(f"  certificate: local minimum, j_exact = {best.j_exact / MILE:.6g} nmi/rad > 0 along the track "
-              f"(source's j = {best.j_seed / MILE:.6g})")  # fmt: skip
-    elif not best.certified:
-        print("  certificate: none")
-    for note in found.notes:
-        print(f"  note: {note}")
+        print(parameters_text(planned.unit_parameters(arguments.parameters)), end="")
+    elif arguments.json:
+        print(json.dumps(planned.document(), indent=2))
+    else:
+        print(planned.text())
     return 0
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

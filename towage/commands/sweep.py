@@ -12,7 +12,6 @@ from towage.commands import common
 
 if TYPE_CHECKING:
     from towage.scene.scene import Scene
-    from towage.sweeps.design import Design
     from towage.sweeps.sweep import Sweep
     from towage.sweeps.table import Table
 
@@ -32,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a range of unit.parameter or of a key such as coupling.step; all combinations are run (may be repeated)",
     )
     parser.add_argument("--sobol", action="store_true", help="a scrambled Sobol sequence in place of a grid")
-    parser.add_argument("--samples", metavar="N", type=_whole, help="points of the sequence; best a power of 2")
+    parser.add_argument("--samples", metavar="N", type=common.positive, help="points of the sequence; best a power of 2")
     parser.add_argument(
         "--seed", metavar="N", type=_seed, default=0, help="of the scrambling and the sample (default: 0)"
     )
@@ -53,11 +52,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sample",
         metavar="N",
-        type=_whole,
+        type=common.positive,
         help="points of an ensemble, drawn with --seed, that are computed again by the FMU path (default: 3)",
     )
     parser.add_argument("--out", metavar="DIR", type=Path, help="where the files go (default: out/<scene>_sweep)")
-    parser.add_argument("--workers", metavar="N", type=_whole, help="processes or threads (default: one a processor)")
+    parser.add_argument("--workers", metavar="N", type=common.positive, help="processes or threads (default: one a processor)")
     parser.add_argument("--dask", metavar="ADDRESS", help="run on the dask.distributed cluster with this scheduler")
     parser.add_argument("--resume", action="store_true", help="do what is missing of the sweep in --out")
     parser.add_argument("--json", action="store_true", help="print the counts as one JSON document")
@@ -76,63 +75,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
     from towage.cli import INTERRUPTED, complain
-    from towage.errors import SceneError, TowageError
-    from towage.sweeps.sweep import Sweep
+    from towage.errors import SceneError
+    from towage.sweeps.design import design
+    from towage.sweeps.sweep import JOURNAL, Sweep
 
-    loaded, names = common.load(arguments)
-    if len(names) > 1:
+    _, cases = common.load(arguments)
+    if len(cases) > 1:
+        names = ", ".join(repr(case.chosen) for case in cases)
         raise SceneError(f"a sweep is over one case: choose one of {names} with --case", key="--case")
-    scene = loaded.case(names[0]) if names[0] else loaded
-    _refuse_options(arguments)
-    design = _design(arguments, scene)
-    sweep = Sweep(scene, design, arguments.fmus, arguments.flavour, arguments.timeout)
-    by_runs = arguments.engine == "runs"
+    (scene,) = cases
+    _check_options(arguments)
+    common.resolved(cases, arguments)  # builds FMUs here, where no timeout runs
+    points = design(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
+    sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout)
     recorded = sweep.measures()
     limits = [_limit(text, recorded) for text in arguments.limit]
-    out = arguments.out or Path("out", f"{scene.file.stem if scene.file else 'scene'}_sweep")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise TowageError(f"cannot make the directory {out}: {error.strerror}") from error
+    out = common.directory(arguments.out, scene, "_sweep")
+    if arguments.engine == "ensemble" and (out / JOURNAL).exists():
+        raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
     try:
         with common.terminable():
-            table = (_run if by_runs else _run_ensemble)(sweep, out, arguments)
+            table = _run(sweep, out, arguments)
     except KeyboardInterrupt:
+        by_runs = arguments.engine == "runs"
         kept = f"finished runs are kept in {out}: continue with --resume" if by_runs else "an ensemble keeps no part"
         complain(f"interrupted; {kept}")
         return INTERRUPTED
-    from towage.sweeps.report import text_summary, write_report
-
-    files = [out / "table.npz", out / "table.csv"]
-    table.save_npz(files[0])
-    table.save_csv(files[1])
-    files.append(write_report(table, scene, limits, out / "report.html"))
-    if arguments.json:
-        print(json.dumps(_document(table, limits, files), indent=2))
-    else:
-        print(text_summary(table, limits))
-        print(f"written to {out}: {', '.join(file.name for file in files)}")
+    _write(table, scene, limits, out, arguments.json)
     return 0 if table.done.all() else PARTLY_FAILED
-
-
-def _design(arguments: argparse.Namespace, scene: Scene) -> Design:
-    from towage.errors import SceneError
-    from towage.sweeps.design import grid, sobol
-
-    if arguments.sobol != (arguments.samples is not None):
-        raise SceneError("--sobol and --samples N go together", key="--sobol")
-    if arguments.sobol:
-        return sobol(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
-    return grid(scene, arguments.vary, arguments.fmus)
 
 
 def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
     from towage.process.progress import Bar, progress
+    from towage.sweeps.sweep import SAMPLE
 
+    if arguments.engine == "ensemble":
+        return sweep.run_ensemble(arguments.sample or SAMPLE, arguments.seed, arguments.workers)
     bars: list[Bar] = []
     with contextlib.ExitStack() as shown:
 
         def hear(ended: int, total: int, failed: int) -> None:
+            """Show progress."""
             if not bars:  # only now is it known how many are left to do
                 bars.append(shown.enter_context(progress(total, "sweep", arguments.progress)))
             bars[0].update(ended, f"{failed} not done" if failed else "")
@@ -140,41 +123,37 @@ def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
         return sweep.run(out, arguments.resume, arguments.workers, arguments.dask, hear)
 
 
-def _run_ensemble(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
-    from msgspec.structs import replace
+def _write(table: Table, scene: Scene, limits: list[tuple[str, float]], out: Path, as_json: bool) -> None:
+    """The tables and the report in ``out``, the summary on stdout."""
+    from towage.sweeps.report import text_summary, write_report
 
+    files = [out / "table.npz", out / "table.csv"]
+    table.save_npz(files[0])
+    table.save_csv(files[1])
+    files.append(write_report(table, scene, limits, out / "report.html"))
+    if as_json:
+        print(json.dumps(_document(table, limits, files), indent=2))
+    else:
+        print(text_summary(table, limits))
+        print(f"written to {out}: {', '.join(file.name for file in files)}")
+
+
+def _check_options(arguments: argparse.Namespace) -> None:
+    """Raises `SceneError` for options that do not go together."""
     from towage.errors import SceneError
-    from towage.sweeps.ensemble import SAMPLE, by_ensemble
-    from towage.sweeps.sweep import JOURNAL
+    from towage.sweeps.sweep import refuse_options
 
-    if (out / JOURNAL).exists():
-        raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
-    sample = arguments.sample or SAMPLE
-    scene = replace(sweep.scene, cases=())  # of which one is chosen
-    return by_ensemble(scene, sweep.design, sweep.measures(), sample, arguments.seed, arguments.workers)
-
-
-def _refuse_options(arguments: argparse.Namespace) -> None:
-    """Options that the engine would ignore. Raises `SceneError`."""
-    from towage.errors import SceneError
-
-    if arguments.engine == "runs":
-        if arguments.sample is not None:
-            raise SceneError("only an ensemble has a sample: add --engine ensemble", key="--sample")
-        return
-    flavour = arguments.flavour != "auto"
-    given = {"--resume": arguments.resume, "--dask": arguments.dask, "--fmus": arguments.fmus, "--flavour": flavour}
-    for option in (option for option, value in given.items() if value):
-        raise SceneError(
-            "an ensemble runs here, at once, and without FMUs: leave this out, or take --engine runs", key=option
-        )
+    if arguments.sobol != (arguments.samples is not None):
+        raise SceneError("--sobol and --samples N go together", key="--sobol")
+    names = ("sample", "resume", "dask", "fmus")
+    given = {f"--{name}": getattr(arguments, name) for name in names} | {"--flavour": arguments.flavour != "auto"}
+    refuse_options(arguments.engine, given)
 
 
 def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
     """(variable, value in its unit). Raises `SceneError`."""
-    from towage.errors import SceneError
+    from towage.errors import SceneError, suggest
     from towage.fmus.declare.quantities import QuantityError, parse_quantity
-    from towage.scene.scene import suggest
 
     name, separator, value = (part.strip() for part in text.partition("="))
     if not separator or name not in recorded:
@@ -205,12 +184,6 @@ def _document(table: Table, limits: list[tuple[str, float]], files: list[Path]) 
         ],
         "files": [str(file) for file in files],
     }
-
-
-def _whole(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number above 0")
-    return int(text)
 
 
 def _seed(text: str) -> int:

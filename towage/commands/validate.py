@@ -20,13 +20,14 @@ def execute(arguments: argparse.Namespace) -> int:
     """0 if all are right, 2 if one is not."""
     from towage.cli import complain
     from towage.errors import TowageError
+    from towage.scene.resolve import check_all
     from towage.scene.scene import Scene
     from towage.units.store import locator
 
     code, locate = 0, locator(arguments.fmus)
     for name in arguments.scenes:
         try:
-            Scene.load(name).resolve(locate)
+            check_all(Scene.load(name), locate)
             print(f"{name}: ok", flush=True)
         except TowageError as error:
             complain(str(error))

@@ -26,8 +26,8 @@ def execute(arguments: argparse.Namespace) -> int:
     for kind in arguments.kind or ():
         if kind not in SOLVERS:
             raise SceneError(f"--kind: there is no kind {kind!r}; the kinds are {', '.join(sorted(SOLVERS))}")
-    found = [case for file in arguments.files or [None] for case in verify(Path(file) if file else None)]
-    cases = [case for case in found if not arguments.kind or case.kind in arguments.kind]
+    computed = [case for file in arguments.files or [None] for case in verify(Path(file) if file else None)]
+    cases = [case for case in computed if not arguments.kind or case.kind in arguments.kind]
     if not cases:
         raise SceneError("there is no case to verify")
     wrong = sum(not case.ok for case in cases)

@@ -6,6 +6,7 @@ import ctypes
 import functools
 import hashlib
 import platform
+import subprocess
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.errors import TowageError
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.units.store import cache
 
 if TYPE_CHECKING:
@@ -27,9 +28,10 @@ SHARE = 64
 """Members that a thread takes at a time."""
 
 
-class Found(NamedTuple):
-    """What the code says of each member: ``series`` (member, time, column), ``low`` and ``high`` (member, output), how it
-    ended and at what time, s. ``steps`` that all of them tried, those of waiting lanes included."""
+class Computed(NamedTuple):
+    """What the code says of each member: ``series``, shape (members, times, columns); ``low`` and ``high``, shape (members,
+    outputs), extremes over the times; ``status``, DONE or how it ended, and ``when``, s. ``steps``: how many all members
+    tried, those of waiting lanes included."""
 
     series: Array
     low: Array
@@ -46,9 +48,11 @@ class Engine:
         self._width = len(text.observed)
         self._library = _library(text)
 
-    def run(self, rows: Array, times: Array, columns: Sequence[int], accuracy: float, threads: int) -> Found:
-        """All members, one a row of parameters and inputs, shared among threads: the code holds no lock of Python's.
-        ``columns``: the outputs that are wanted as series."""
+    def run(self, rows: Array, times: Array, columns: Sequence[int], accuracy: float, threads: int) -> Computed:
+        """Run all members: ``rows``, shape (members, parameters and inputs), SI, over ``times``, shape (n,), s, rising.
+
+        ``columns``: positions of the outputs that are wanted as series. ``accuracy``: relative error of a step. The members
+        are shared among ``threads``, since the code does not hold Python's lock."""
         rows, times = np.ascontiguousarray(rows), np.ascontiguousarray(times)
         n, chosen = len(rows), np.array(columns, np.int64)
         series = np.empty((n, len(times), len(columns)))
@@ -56,6 +60,7 @@ class Engine:
         status, when = np.zeros(n, np.int64), np.zeros(n)
 
         def share(first: int) -> int:
+            """Some members, from ``first`` on; the steps that they tried."""
             part = slice(first, min(n, first + SHARE))
             steps: int = self._library.run(
                 part.stop - first, _at(rows[part]), len(times), _at(times), accuracy, len(columns), _at(chosen),
@@ -65,16 +70,18 @@ class Engine:
 
         with ThreadPoolExecutor(threads) as pool:
             steps = sum(pool.map(share, range(0, n, SHARE)))
-        return Found(series, low, high, status, when, steps * self._library.lanes())
+        return Computed(series, low, high, status, when, steps * self._library.lanes())
 
 
 def _library(text: Text) -> ctypes.CDLL:
     """The compiled text, from the cache if it is there."""
+    from towage.fmus.native.compiler import compiler, host
     from towage.fmus.native.ensemble.build import FLAGS, SOURCES, library
 
-    digest = hashlib.sha256("\0".join((text.text, *FLAGS, _machine())).encode())
-    for path in sorted(SOURCES.iterdir()):
-        digest.update(path.read_bytes())
+    command = compiler(host())
+    digest = hashlib.sha256("\0".join((text.text, *FLAGS, *command, _version(*command), _machine())).encode())
+    for path in sorted(path for path in SOURCES.iterdir() if path.suffix in (".c", ".h")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     place = cache() / "ensemble" / f"{digest.hexdigest()[:24]}.so"
     if not place.is_file():
         built = library(text)
@@ -91,11 +98,18 @@ def _library(text: Text) -> ctypes.CDLL:
 
 @functools.cache
 def _loaded(place: Path) -> ctypes.CDLL:
-    found = ctypes.CDLL(str(place))
+    library = ctypes.CDLL(str(place))
     pointer, number, whole = ctypes.c_void_p, ctypes.c_double, ctypes.c_long
-    found.run.argtypes = [whole, pointer, whole, pointer, number, whole, *[pointer] * 6]
-    found.run.restype = found.lanes.restype = whole
-    return found
+    library.run.argtypes = [whole, pointer, whole, pointer, number, whole, *[pointer] * 6]
+    library.run.restype = library.lanes.restype = whole
+    return library
+
+
+@functools.cache
+def _version(*command: str) -> str:
+    """What the compiler says of its version."""
+    asked = subprocess.run([*command, "--version"], capture_output=True, text=True, timeout=60, check=False)
+    return asked.stdout
 
 
 def _machine() -> str:

@@ -1,9 +1,8 @@
 """Thousands of members of one scene, each with its own parameters, integrated together in compiled code.
 
-    from towage.ensemble import Ensemble
-    from towage.scene import Scene
+    from towage.ensemble.ensemble import Ensemble
 
-    members = Ensemble(Scene.load("slack"), {"ship.heave_amplitude": np.linspace(0.5, 2.0, 10_000)}).run()
+    members = Ensemble("slack", {"ship.heave_amplitude": np.linspace(0.5, 2.0, 10_000)}).run()
     members.high["line.tension"]
 
 The scene's equations are joined (`compose`), so that there is no coupling error; `fmus.ensemble` makes them C code, which is
@@ -17,18 +16,21 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from towage.ensemble.engine import DONE, Engine
-from towage.ensemble.rows import columns, composed, refusals, rows
-from towage.errors import RunError, SceneError
+from towage.ensemble.rows import composed, equally_many, refusals, rows
+from towage.errors import RunError, SceneError, suggest
 from towage.fmus.declare.unit import BuildError, Unit
 from towage.fmus.python.instance import Instance
 from towage.fmus.python.values import CallError, StepError
-from towage.scene.scene import Scene, suggest
+from towage.scene.resolve import described
+from towage.scene.scene import Scene
+from towage.scene.select import one_case
 from towage.units.store import locator
 
 Array = NDArray[np.float64]
@@ -49,9 +51,10 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class Members:
-    """What a run leaves behind, SI. ``low`` and ``high``: extremes over ``time``, one value a member; ``series``: (member,
-    time). NaN where ``message`` says that the member was ``refused`` for its values, or why it ended early. ``steps``: mean
-    number of steps that a member tried, waiting lanes included."""
+    """The results of a run, SI. ``time``: shape (times,), s. ``low`` and ``high``: extremes over it by output, shape
+    (members,); ``series``: shape (members, times). NaN where ``message`` says that the member was ``refused`` for its values,
+    or why it ended early. ``samples``: the members that were computed again. ``steps``: mean number of steps that a member
+    tried, waiting lanes included."""
 
     time: Array
     low: dict[str, Array]
@@ -64,32 +67,44 @@ class Members:
 
     @property
     def done(self) -> NDArray[np.bool_]:
-        """Which members came to their end."""
+        """Which members came to their end, shape (members,)."""
         return np.array([not text for text in self.message])
 
 
 class Ensemble:
-    """Members of a scene without cases (`Scene.case` picks one), or of a unit, whose ``varied`` parameters and inputs have
-    one value a member, in the units that they declare. What the scene makes equal ("= unit.parameter") follows.
+    """Members of one scene, or of one unit, that differ in their values.
 
-    ``observed``: outputs that are kept, by default what the scene records or every output of the unit. Raises `SceneError`
-    for names and values that do not fit, `BuildError` where nothing can be traced or compiled; the message says what to
-    install.
+    ``scene``: a scene, the path of its file or the name of a shipped one, ``case`` one of its cases (as in `towage.run`);
+    or a unit. ``varied``: values of parameters ("unit.parameter") and open inputs, shape (members,) each, in the units of
+    measure that they declare (SI for the shipped units); what the scene makes equal ("= unit.parameter") follows.
+    ``observed``: outputs that are kept, by default what the scene records or every output of the unit.
+
+    Raises `SceneError` for names and values that do not fit, and for a scene that cannot be composed into one unit;
+    `BuildError` where nothing can be traced or compiled, with what to install.
     """
 
     def __init__(
-        self, scene: Scene | Unit, varied: Mapping[str, ArrayLike], observed: Sequence[str] | None = None
+        self,
+        scene: Scene | Unit | str | Path,
+        varied: Mapping[str, ArrayLike],
+        observed: Sequence[str] | None = None,
+        case: str | None = None,
     ) -> None:
         try:
             from towage.fmus.native.ensemble.build import text
         except ImportError as error:
             raise BuildError(f"an ensemble is traced with casadi ({error}): pip install 'towage[native]'") from error
 
-        self.scene = scene if isinstance(scene, Scene) else None
-        self.unit = unit = scene if isinstance(scene, Unit) else composed(scene)
-        self.varied = columns(varied)
+        self.scene: Scene | None = None
+        if isinstance(scene, Unit):
+            unit = scene
+        else:
+            self.scene = one = one_case(scene, case)
+            unit = composed(one)
+        self.unit = unit
+        self.varied = equally_many(varied)
         if self.scene and observed is None:
-            observed = [f"{unit}.{name}" for unit, name in self.scene.resolve(locator()).record]
+            observed = [f"{unit}.{name}" for unit, name in described(self.scene, locator()).record]
         self.observed = tuple(observed or (v.name for v in unit.observed if v.causality == "output"))
         for name in self.observed:
             if name not in {v.name for v in unit.observed}:
@@ -123,20 +138,21 @@ class Ensemble:
         refused = refusals(self.unit, self._text.traced, self.rows)
         which = np.array([k for k in range(len(self)) if k not in refused], np.int64)
         drawn = _drawn(which, samples, seed)
-        found = self._engine.run(self.rows[which], grid, shown, accuracy, threads or os.cpu_count() or 1)
+        computed = self._engine.run(self.rows[which], grid, shown, accuracy, threads or os.cpu_count() or 1)
         message = [refused.get(k, "") for k in range(len(self))]
-        for k, ending, when in zip(which, found.status, found.when):
+        for k, ending, when in zip(which, computed.status, computed.when):
             if ending != DONE:
                 message[k] = f"{ENDINGS[ending]} at t = {when:.9g} s"
-        alive = found.status[np.searchsorted(which, drawn)] == DONE
+        alive = computed.status[np.searchsorted(which, drawn)] == DONE
         checked = self._check(drawn[alive], grid, accuracy, tolerance)
 
         def spread(values: Array) -> Array:
+            """Values of the members that ran, as values of all; NaN for the others."""
             whole = np.full((len(self), *values.shape[1:]), np.nan)
-            whole[which] = np.where((found.status == DONE).reshape(-1, *[1] * (values.ndim - 1)), values, np.nan)
+            whole[which] = np.where((computed.status == DONE).reshape(-1, *[1] * (values.ndim - 1)), values, np.nan)
             return whole
 
-        low, high, kept = spread(found.low), spread(found.high), spread(found.series)
+        low, high, kept = spread(computed.low), spread(computed.high), spread(computed.series)
         return Members(
             grid,
             {name: low[:, i] for i, name in enumerate(self.observed)},
@@ -145,7 +161,7 @@ class Ensemble:
             tuple(message),
             np.isin(np.arange(len(self)), which, invert=True),
             checked,
-            found.steps / max(1, len(which)),
+            computed.steps / max(1, len(which)),
         )
 
     def _times(self, times: ArrayLike | None) -> Array:
@@ -182,9 +198,9 @@ class Ensemble:
         self, drawn: NDArray[np.int64], times: Array, accuracy: float, others: Sequence[Array]
     ) -> tuple[Sample, ...]:
         """The members ``drawn`` against their tables from the FMU path."""
-        found = self._engine.run(self.rows[drawn], times, range(len(self.observed)), accuracy, 1).series
+        series = self._engine.run(self.rows[drawn], times, range(len(self.observed)), accuracy, 1).series
         samples = []
-        for k, own, other in zip(drawn, found, others):
+        for k, own, other in zip(drawn, series, others):
             off = np.abs(own - other) / np.maximum(np.abs(other).max(axis=0), 1e-300)
             at, i = np.unravel_index(int(np.argmax(np.where(np.isnan(off), np.inf, off))), off.shape)
             samples.append(Sample(int(k), self.observed[i], float(off[at, i]), float(times[at])))
@@ -230,23 +246,30 @@ class Ensemble:
         return table
 
 
-def measures(scene: Scene, names: Sequence[str], values: ArrayLike, **options: int | float) -> tuple[
-    dict[str, Array], Members
-]:  # fmt: skip
-    """Columns of a sweep's table (`sweeps.row`) for members with ``values``, shape (members, names), and the members: ``min:``
-    and ``max:`` of what the scene records, ``margin:`` and ``worst_margin``. Comparisons with a second run, and counts of
-    events, an ensemble does not have. ``options`` are those of `Ensemble.run`."""
+def measures(
+    scene: Scene,
+    names: Sequence[str],
+    values: ArrayLike,
+    samples: int = 3,
+    seed: int = 0,
+    threads: int | None = None,
+) -> tuple[dict[str, Array], Members]:
+    """Columns of a sweep's table (`sweeps.row`) for members with ``values``, shape (members, names), and the members.
+
+    The columns: ``min:`` and ``max:`` of what the scene records, ``margin:`` and ``worst_margin``, shape (members,).
+    Comparisons with a second run, and counts of events, an ensemble does not have. The options are those of
+    `Ensemble.run`."""
     table = np.asarray(values, np.float64).reshape(-1, len(names))
     ensemble = Ensemble(scene, dict(zip(names, table.T)))
-    members = ensemble.run(**options)  # type: ignore[arg-type]
+    members = ensemble.run(samples=samples, seed=seed, threads=threads)
     margins = [name for name in ensemble.observed if name.partition(".")[2].startswith("margin_")]
     deciding = [members.low[name] for name in margins if name not in scene.checks.report_only]
-    found = {"worst_margin": np.min(deciding or [members.low[name] for name in margins], axis=0)} if margins else {}
-    found |= {f"margin:{name}": members.low[name] for name in margins}
+    columns = {"worst_margin": np.min(deciding or [members.low[name] for name in margins], axis=0)} if margins else {}
+    columns |= {f"margin:{name}": members.low[name] for name in margins}
     for name in ensemble.observed:
         if name not in margins:
-            found |= {f"min:{name}": members.low[name], f"max:{name}": members.high[name]}
-    return found, members
+            columns |= {f"min:{name}": members.low[name], f"max:{name}": members.high[name]}
+    return columns, members
 
 
 def _drawn(members: NDArray[np.int64], count: int, seed: int) -> NDArray[np.int64]:

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec.structs import replace
 from numpy.typing import ArrayLike, NDArray
 
-from towage.errors import SceneError
+from towage.errors import SceneError, suggest
 from towage.fmus.declare.unit import Unit
 from towage.scene.compose import unit_of
-from towage.scene.scene import Case, Scene, suggest
+from towage.scene.resolve import described
+from towage.scene.scene import Scene
 from towage.units.store import locator
 
 if TYPE_CHECKING:
@@ -22,24 +22,22 @@ Array = NDArray[np.float64]
 
 
 def composed(scene: Scene) -> Unit:
-    """The scene as one unit. Raises `SceneError`."""
-    if scene.cases:
-        names = " or ".join(repr(case.name) for case in scene.cases)
-        raise scene.error(f"an ensemble runs one case: choose {names} by Scene.case, and drop the others", "cases")
-    return unit_of(scene.resolve(locator()), scene.file.stem if scene.file else "scene")
+    """The scene, which has no cases, as one unit. Raises `SceneError` where it cannot be composed."""
+    return unit_of(described(scene, locator()), scene.file.stem if scene.file else "scene")
 
 
-def columns(varied: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """The values of what is varied, one a member. Raises `SceneError` where they are not equally many."""
-    found = {name: np.atleast_1d(np.asarray(values, np.float64)) for name, values in varied.items()}
-    sizes = {name: len(values) for name, values in found.items()}
+def equally_many(varied: Mapping[str, ArrayLike]) -> dict[str, Array]:
+    """The values of what is varied, by name, shape (members,). Raises `SceneError` where they are not equally many."""
+    arrays = {name: np.atleast_1d(np.asarray(values, np.float64)) for name, values in varied.items()}
+    sizes = {name: len(values) for name, values in arrays.items()}
     if len(set(sizes.values())) != 1 or 0 in sizes.values():
         raise SceneError(f"every varied parameter needs one value a member, the same number for all: got {sizes}")
-    return found
+    return arrays
 
 
 def rows(scene: Scene | None, unit: Unit, varied: Mapping[str, Array]) -> Array:
-    """Parameters, then inputs of ``unit``, one row a member. Raises `SceneError` for names and values that do not fit."""
+    """Parameters, then inputs of ``unit``, SI, shape (members, parameters and inputs). Raises `SceneError` for names and
+    values that do not fit."""
     variables = {v.name: v for v in unit.parameters + unit.inputs}
     places = {name: k for k, name in enumerate(variables)}
     table = np.tile([v.start or 0.0 for v in variables.values()], (len(next(iter(varied.values()))), 1))
@@ -59,21 +57,21 @@ def rows(scene: Scene | None, unit: Unit, varied: Mapping[str, Array]) -> Array:
 
 
 def refusals(unit: Unit, traced: Traced, table: Array) -> dict[int, str]:
-    """Rows of ``table`` that the unit would refuse, and its words for it."""
-    found: dict[int, str] = {}
+    """Rows of ``table`` that the unit would refuse, and why."""
+    reasons: dict[int, str] = {}
     for v, values in zip(unit.parameters + unit.inputs, table.T):
         low, high = (-np.inf if v.min is None else v.min), (np.inf if v.max is None else v.max)
         fits = np.isfinite(values)
         if v.causality == "parameter":  # bounds of inputs are not checked by a unit either
             fits &= (values >= low) & (values <= high)
         for k in np.flatnonzero(~fits):
-            found.setdefault(int(k), f"{v.name} = {values[k]:g} {v.unit}: expected {low:g} to {high:g}")
+            reasons.setdefault(int(k), f"{v.name} = {values[k]:g} {v.unit}: expected {low:g} to {high:g}")
     if required := traced.functions.get("required"):
         numbers = np.array(required(table.T[: len(unit.parameters)], np.empty((0, len(table)))))
         for text, values in zip(traced.requirements, numbers):
             for k in np.flatnonzero(~(values > 0.0)):
-                found.setdefault(int(k), text)
-    return found
+                reasons.setdefault(int(k), text)
+    return reasons
 
 
 def _followers(scene: Scene, name: str, values: Array) -> dict[str, float]:
@@ -96,7 +94,6 @@ def _followers(scene: Scene, name: str, values: Array) -> dict[str, float]:
 
 def _parameters(scene: Scene, name: str, value: float) -> dict[str, float]:
     """What the scene gives to its units when it sets ``name``."""
-    changed = replace(scene, cases=(Case("ensemble", {name: value}),)).case("ensemble")
-    units = replace(changed, cases=()).resolve(locator()).units
+    units = described(scene.setting({name: value}, "ensemble"), locator()).units
     given = {f"{unit}.{parameter}": x for unit, entry in units.items() for parameter, x in entry.parameters.items()}
     return {parameter: x for parameter, x in given.items() if isinstance(x, float)}

@@ -8,7 +8,6 @@ connections, located events, error control, checks and verdict.
 from __future__ import annotations
 
 from typing import NamedTuple
-from xml.etree.ElementTree import Element, indent, tostring
 
 from towage.fmus.describe.fmi2 import number
 from towage.scene.resolve import ResolvedScene
@@ -66,12 +65,6 @@ def text(value: Value) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     return number(value) if isinstance(value, float) else str(value)
-
-
-def document(root: Element) -> bytes:
-    """The indented XML document."""
-    indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root) + b"\n"
 
 
 def _files(resolved: ResolvedScene) -> dict[str, str]:

@@ -15,25 +15,16 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from towage.errors import TowageError
-from towage.export.export import Export, document, text
-from towage.fmus.declare.quantities import dimension
-from towage.process.files import atomic_write
-from towage.scene.resolve import Connection
+from towage.export.export import Export, text
+from towage.files import atomic_write
+from towage.fmus.describe.fmi2 import document
+from towage.master.bonds import Bond, bonds
+from towage.scene.resolve import ResolvedConnection
 
 SYSTEM = "OspSystemStructure.xml"
 SYSTEM_NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 MODEL_NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.0"
-_FORCE, _VELOCITY, _DISPLACEMENT = dimension("N"), dimension("m/s"), dimension("m")
-_WORD = re.compile("[^A-Za-z0-9]+")
 _FILE_NAME = re.compile(r"\w[\w .+-]*")
-
-
-class Bond(NamedTuple):
-    """Connections that carry a power, or would if the displacement were a velocity."""
-
-    force: Connection
-    motion: Connection
-    velocity: bool
 
 
 class Port(NamedTuple):
@@ -55,57 +46,32 @@ def write_osp(export: Export, directory: Path) -> list[Path]:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise TowageError(f"cannot make the directory {directory}: {error.strerror}") from error
-    found = bonds(export)
-    files = {SYSTEM: system_structure(export, found), **_model_descriptions(export, found), **export.fmus()}
+    bound = ports(export)
+    files = {SYSTEM: system_structure(export, bound), **_model_descriptions(export, bound), **export.fmus()}
     for name, content in files.items():
         with atomic_write(directory / name) as stream:
             stream.write(content)
     return [directory / name for name in files]
 
 
-def bonds(export: Export) -> list[Bond]:
-    """Pairs of connections that are ports on both sides.
-
-    Where a force may go with several motions, as at a cable that ends in two directions, names decide: the pair with the
-    most words in common, if it is the only one. A converted connection is none, because a port has one unit."""
-    candidates: dict[tuple[Connection, Connection], int] = {}
-    for force in export.resolved.connections:
-        for motion in export.resolved.connections:
-            back = (force.source_unit, force.target_unit) == (motion.target_unit, motion.source_unit)
-            if not back or force.source_unit == force.target_unit or (force.factor, motion.factor) != (1.0, 1.0):
-                continue
-            moves = _dimension(export, motion) in (_VELOCITY, _DISPLACEMENT)
-            if _dimension(export, force) == _FORCE and moves and _named(export, force):
-                candidates[force, motion] = len(_words(force) & _words(motion))
+def ports(export: Export) -> list[Bond]:
+    """The bonds of the scene that are ports on both sides: forces, not moments. A converted connection is none, because a
+    port has one unit."""
     return [
-        Bond(force, motion, _dimension(export, motion) == _VELOCITY)
-        for (force, motion), common in candidates.items()
-        if all(
-            common > other
-            for pair, other in candidates.items()
-            if pair != (force, motion) and (pair[0] == force or pair[1] == motion)
-        )
+        bond
+        for bond in bonds(export.resolved)
+        if not bond.turns and (bond.effort.factor, bond.motion.factor) == (1.0, 1.0) and _named(export, bond.effort)
     ]
 
 
-def _dimension(export: Export, connection: Connection) -> tuple[int, ...] | None:
-    unit = export.variable(connection.source_unit, connection.source).unit
-    definition = export.resolved.units[connection.source_unit].description.units.get(unit or "")
-    return definition.exponents if definition else None
-
-
-def _named(export: Export, connection: Connection) -> bool:
+def _named(export: Export, connection: ResolvedConnection) -> bool:
     """Whether both models have names that files can have, which is how the host finds their ports."""
     units = export.resolved.units
     ends = connection.source_unit, connection.target_unit
     return all(_FILE_NAME.fullmatch(units[end].description.model_name) for end in ends)
 
 
-def _words(connection: Connection) -> set[str]:
-    return {word.lower() for word in _WORD.split(f"{connection.source} {connection.target}") if word}
-
-
-def system_structure(export: Export, found: list[Bond]) -> bytes:
+def system_structure(export: Export, bound: list[Bond]) -> bytes:
     """``OspSystemStructure.xml``."""
     scene = export.resolved.scene
     root = Element("OspSystemStructure", {"xmlns": SYSTEM_NAMESPACE, "version": "0.1"})
@@ -119,13 +85,13 @@ def system_structure(export: Export, found: list[Bond]) -> bytes:
         values = SubElement(simulator, "InitialValues") if unit.parameters else None
         for parameter, start in unit.parameters.items():
             assert values is not None
-            entry = SubElement(values, "InitialValue", {"variable": parameter})
-            SubElement(entry, variables[parameter].type, {"value": text(start)})
-    _connect(root, export, found)
+            initial = SubElement(values, "InitialValue", {"variable": parameter})
+            SubElement(initial, variables[parameter].type, {"value": text(start)})
+    _connect(root, export, bound)
     return document(root)
 
 
-def _connect(root: Element, export: Export, found: list[Bond]) -> None:
+def _connect(root: Element, export: Export, bound: list[Bond]) -> None:
     """Functions for converted connections, group connections for bonds, variable connections for the rest."""
     links = export.resolved.connections
     converted = {c: f"conversion_{k}" for k, c in enumerate(c for c in links if c.factor != 1.0)}
@@ -136,11 +102,11 @@ def _connect(root: Element, export: Export, found: list[Bond]) -> None:
         for c, name in converted.items():
             SubElement(functions, "LinearTransformation", {"name": name, "factor": text(c.factor), "offset": "0"})
     connections = SubElement(root, "Connections") if links else root
-    for bond in found:
+    for bond in bound:
         group = SubElement(connections, "VariableGroupConnection")
         for unit, port in _ports(bond):
             SubElement(group, "VariableGroup", {"simulator": unit, "name": port.name})
-    bound = {c for bond in found for c in (bond.force, bond.motion)}
+    grouped = {c for bond in bound for c in (bond.effort, bond.motion)}
     for c in links:
         source = {"simulator": c.source_unit, "name": c.source}
         target = {"simulator": c.target_unit, "name": c.target}
@@ -149,7 +115,7 @@ def _connect(root: Element, export: Export, found: list[Bond]) -> None:
                 connection = SubElement(connections, "SignalConnection")
                 SubElement(connection, "Variable", end)
                 SubElement(connection, "Signal", {"function": converted[c], "name": signal})
-        elif c not in bound:
+        elif c not in grouped:
             connection = SubElement(connections, "VariableConnection")
             SubElement(connection, "Variable", source)
             SubElement(connection, "Variable", target)
@@ -157,17 +123,17 @@ def _connect(root: Element, export: Export, found: list[Bond]) -> None:
 
 def _ports(bond: Bond) -> tuple[tuple[str, Port], tuple[str, Port]]:
     """The sides of a bond: (unit, port) of the force's source and of its target."""
-    force, motion, velocity = bond
+    force, motion, velocity = bond.effort, bond.motion, bond.velocity
     return (
         (force.source_unit, Port(force.source, motion.target, velocity)),
         (force.target_unit, Port(force.target, motion.source, velocity)),
     )
 
 
-def _model_descriptions(export: Export, found: list[Bond]) -> dict[str, bytes]:
+def _model_descriptions(export: Export, bound: list[Bond]) -> dict[str, bytes]:
     """``<model>_OspModelDescription.xml`` of every model that takes part in a bond; units are those of the FMU."""
     models: dict[str, dict[Port, str]] = {}
-    for bond in found:
+    for bond in bound:
         for unit, port in _ports(bond):
             models.setdefault(export.resolved.units[unit].description.model_name, {}).setdefault(port, unit)
     files = {}

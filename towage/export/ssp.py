@@ -14,9 +14,10 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 from towage.errors import FmuError, TowageError
-from towage.export.export import Export, document, text
+from towage.export.export import Export, text
 from towage.fmus.declare.quantities import BASES
 from towage.fmus.describe.archive import write
+from towage.fmus.describe.fmi2 import document
 from towage.scene.resolve import ResolvedUnit
 from towage.units.description import UnitDefinition, Variable
 

@@ -10,20 +10,14 @@ import numpy as np
 
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
+from towage.report.svg import save_figure
 
 if TYPE_CHECKING:
     from towage.checks.towing import Gain, SceneTow
 
 
-def _save(figure: object, path: Path) -> None:
-    import matplotlib
-
-    with matplotlib.rc_context({"svg.hashsalt": "towage"}):
-        figure.savefig(path, format="svg", metadata={"Date": None})  # type: ignore[attr-defined]
-
-
 def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
-    """Magnitude and phase of tensions and body motion over frequency."""
+    """Magnitude (N, m) and phase (rad) of tensions and body motion over frequency, Hz; written to ``path``."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
@@ -40,11 +34,12 @@ def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
         axes[1, column].set(xlabel="frequency, Hz", ylabel="phase, rad")
         axes[0, column].legend()
     figure.suptitle(f"{tow.name}: response of the tow")
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
-    """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s."""
+    """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s; written
+    to ``path``."""
     from matplotlib.figure import Figure
 
     excitation = Excitation(heave=1.0) if tow.tow.quadrant == 1 else Excitation(lift=1.0)
@@ -66,4 +61,4 @@ def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
         axis.set(xlabel="distance from the body, m", ylabel=name)
         axis.legend()
     figure.suptitle(f"{tow.name} at {omega / (2.0 * math.pi):.4g} Hz")
-    _save(figure, path)
+    save_figure(figure, path)

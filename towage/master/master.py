@@ -1,287 +1,240 @@
-"""Runs a scene and judges it: checks before, the coupled run, its error estimate, the one-way run, the verdict."""
+"""Runs a resolved scene and has its checks judge it: before, the coupled run, the other runs they ask for, the verdict."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.checks import sdof
-from towage.checks import simpler as judge_slender
-from towage.checks import step as checks
-from towage.checks import verdict as judge
-from towage.errors import RunError, SceneError
+from towage.checks.check import Finished, checks_of
+from towage.checks.verdict import verdict
+from towage.errors import RunError
+from towage.master.plan import plan, refuse, started
 from towage.master.recorder import Recorder, read_events, read_journal
-from towage.master.schemes import ORDERS
 from towage.master.simulation import Run, Settings, simulate
+from towage.master.stages import Report, Stages
 from towage.master.system import System
-from towage.result.result import Check, Result, Verdict
+from towage.result.records import Finding, Verdict
+from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene
-from towage.units.store import cache
+from towage.scene.select import one_case
+from towage.units.fmu import Unit, UnitFactory
 
 Array = NDArray[np.float64]
-DEFAULT_POINTS = 2000
-"""Record times of a run with error control and no ``record.interval``."""
-Report = Callable[[float, str], None]
+Columns = dict[str, Array]
+MAIN = "coupled run"
+COARSE = 2.0
+"""A coarse run has a step so much longer, and takes so much less time; its error is 2^p as large."""
+COARSE_TOLERANCE = 10.0
+"""A coarse run under error control has a tolerance so much larger."""
 
 
 class Master:
-    """A scene (one case of it) ready to run.
+    """A scene, one case of it, ready to run.
 
-    Raises `SceneError` and `FmuError` if the scene does not fit its units. `run` raises the same for a scene that the
-    checks before the run refuse; a run that fails on its way comes back as a result with status "failed" and what was
-    recorded until then.
+    ``case`` may be left out where there is only one, or none. ``fmus``: where the shipped units' FMUs are, else the cache.
+    Raises `SceneError` and `FmuError` if the scene does not fit its units.
     """
 
     def __init__(
-        self, scene: Scene, case: str | None = None, fmus: Path | None = None, flavour: Flavour = "python"
+        self,
+        scene: Scene,
+        case: str | None = None,
+        fmus: Path | None = None,
+        flavour: Flavour = "auto",
+        make_unit: UnitFactory = Unit,
     ) -> None:
-        self.case = case or (scene.cases[0].name if len(scene.cases) == 1 else "")
-        self.scene = msgspec.structs.replace(scene.case(case) if case else scene, cases=())
-        self._resolve = partial(resolve, fmus=fmus, flavour=flavour)
-        self.resolved = self._resolve(self.scene)
+        self._make_unit = make_unit
+        self.resolved = resolve(one_case(scene, case), fmus, flavour)
+        self.scene = self.resolved.scene
 
     def run(self, report: Report | None = None, journal: Path | None = None) -> Result:
-        """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk."""
-        say = report or (lambda share, text: None)
-        system = self._system(self.resolved)
-        try:
-            settings, before = self._settings(system)
-            result = self._result(settings.scheme, before)
-            recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs], journal)
-            stop = settings.stop_time
-            simpler = self.scene.checks.simpler
-            extra = self.scene.coupling.error_estimate, self.scene.checks.sdof is not None
-            share = 1.0 / (1.0 + 0.5 * extra[0] + extra[1] + (simpler is not None))
+        """`run_resolved` of the scene."""
+        return run_resolved(self.resolved, report, journal, self._make_unit)
 
-            def hear(begin: float, size: float, text: str) -> Callable[[float], None]:
-                return lambda t: say(share * (begin + size * t / stop), text)
+    def check(self) -> list[Finding]:
+        """`check_resolved` of the scene."""
+        return check_resolved(self.resolved, self._make_unit)
 
-            try:
-                run = simulate(system, settings, recorder, hear(0.0, 1.0, "coupled run"))
-            except RunError as error:
-                result.status, result.message = "failed", str(error)
-                result.verdict = Verdict("not judged", "the run failed", None, None)
-                run = getattr(error, "run", Run())
-            finally:
-                recorder.close()
-            result.time, columns = recorder.columns()
-            recorded = [f"{u}.{v}" for u, v in self.resolved.record]
-            self._fill(result, system, run, columns, recorded)
-            if result.status == "failed":
-                return result
-            if extra[0]:
-                told = hear(1.0, 0.5, "error estimate")
-                result.coupling_error = self._error(settings, result.time, columns, recorded, told)
-            if extra[1]:
-                told = hear(1.0 + 0.5 * extra[0], 1.0, "one-way run")
-                self._compare(result, settings, system, columns, recorded, told)
-            if simpler:
-                told = hear(1.0 + 0.5 * extra[0] + extra[1], 1.0, "simpler model")
-                try:
-                    time, other = self._second_run(self.scene.simpler(), settings, told)
-                    result.checks.append(judge_slender.compare(simpler, result.time, columns, time, other))
-                except RunError as error:
-                    result.checks.append(Check("simpler model", "warning", None, None, f"failed: {error}"))
-            if towing := self._towing():
-                result.checks += towing.after_run(self.resolved)
-            result.margins = judge.margins(self.resolved, result.time, {n: columns[n] for n in recorded})
-            result.verdict = judge.verdict(result.comparison, result.margins)
-            say(1.0, "done")
-            return result
-        finally:
-            system.close()
 
-    def check(self) -> list[Check]:
-        """The checks before a run, without running."""
-        system = self._system(self.resolved)
-        try:
-            found = self._settings(system, refuse=False)[1] + sdof.before_run(system, self.scene.checks.sdof)
-            return found + (towing.before_run(self.resolved) if (towing := self._towing()) else [])
-        finally:
-            system.close()
+def run_resolved(
+    resolved: ResolvedScene,
+    report: Report | None = None,
+    journal: Path | None = None,
+    make_unit: UnitFactory = Unit,
+) -> Result:
+    """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk;
+    ``make_unit`` makes the units.
 
-    def salvage(self, journal: Path | None, message: str) -> Result:
-        """A failed result with what is in the journal of a run that ended with its process."""
-        result = self._result(self.scene.coupling.scheme, [])
-        result.status, result.message = "failed", message
-        result.verdict = Verdict("not judged", "the run failed", None, None)
-        if journal:
-            result.time, columns = read_journal(journal)
-            result.events = read_events(journal)
-            names = [f"{u}.{v}" for u, v in self.resolved.record]
-            self._fill_columns(result, columns, [n for n in names if n in columns])
+    Raises `SceneError` for a scene that the checks before the run refuse. A run that fails on its way comes back as a
+    result with status "failed" and what was recorded until then.
+    """
+    system = started(resolved, make_unit)
+    try:
+        planned = plan(resolved, system)
+        refuse(planned.findings, resolved)
+        settings = planned.settings
+        weights = {variant.name: 1.0 / COARSE if variant.coarse else 1.0 for variant in resolved.variants}
+        stages = Stages(report, {MAIN: 1.0} | weights)
+        result = _result(resolved, settings.scheme.name, planned.findings)
+        columns = _coupled_run(resolved, system, settings, result, stages, journal)
+        if result.status == "done":
+            order = settings.scheme.order if settings.step else 0
+            others = OtherRuns(resolved, settings, stages, make_unit)
+            _judge(Finished(resolved, system, order, result, columns, others.columns))
+            stages.done()
         return result
+    finally:
+        system.close()
 
-    # ---- parts ------------------------------------------------------------------------------------------------------
 
-    def _towing(self) -> ModuleType | None:
-        """The checks of tows, whose models are heavy to import; None for a scene without a unit `tow_...`."""
-        if not any(u.description.model_name.startswith("tow_") for u in self.resolved.units.values()):
-            return None
-        from towage.checks import towing
+def check_resolved(resolved: ResolvedScene, make_unit: UnitFactory = Unit) -> list[Finding]:
+    """What the checks say before a run, without running. Raises `SceneError` and `RunError`."""
+    system = started(resolved, make_unit)
+    try:
+        planned = plan(resolved, system)
+        findings = planned.findings
+        for check in checks_of(resolved.scene):
+            if not check.refuses:
+                findings += check.before(planned.start)
+        return findings
+    finally:
+        system.close()
 
-        return towing
 
-    def _system(self, resolved: ResolvedScene) -> System:
-        """The units, initialised. Branches are frozen over a step where the master will look after events."""
-        held = ORDERS.get(self.scene.coupling.scheme) == 1
-        system = System(resolved, cache() / "unpacked", self.scene.coupling.events and not held, held)
+def salvaged(resolved: ResolvedScene, journal: Path | None, message: str) -> Result:
+    """A failed result with what is in the journal of a run that ended with its process."""
+    result = _result(resolved, resolved.scene.coupling.scheme, [])
+    _fail(result, message)
+    if journal:
+        result.time, columns = read_journal(journal)
+        result.events = read_events(journal)
+        _keep(result, resolved, columns)
+    return result
+
+
+class OtherRuns:
+    """The other runs that checks ask for. Each is made when it is first asked for, and once, whoever asks."""
+
+    def __init__(
+        self, resolved: ResolvedScene, settings: Settings, stages: Stages, make_unit: UnitFactory
+    ) -> None:
+        self._resolved = resolved
+        self._settings = settings
+        self._stages = stages
+        self._make_unit = make_unit
+        self._variants = {variant.name: variant for variant in resolved.variants}
+        self._known: list[tuple[ResolvedScene, bool, tuple[Array, Columns] | RunError]] = []
+
+    def columns(self, name: str) -> tuple[Array, Columns]:
+        """(time, columns) of the run called ``name``. Raises `RunError` where it fails."""
+        variant = self._variants[name]
+        scene = variant.scene or self._resolved
+        outcome = next((o for s, coarse, o in self._known if s == scene and coarse == variant.coarse), None)
+        if outcome is None:
+            outcome = self._run(name, scene, _coarse(self._settings) if variant.coarse else self._settings)
+            self._known.append((scene, variant.coarse, outcome))
+        if isinstance(outcome, RunError):
+            raise outcome
+        return outcome
+
+    def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> tuple[Array, Columns] | RunError:
         try:
-            system.start(0.0, self.scene.stop_time)
-        except BaseException:
-            system.close()
-            raise
-        return system
-
-    def _settings(self, system: System, refuse: bool = True) -> tuple[Settings, list[Check]]:
-        """How to couple, and the checks that led to it."""
-        coupling, stop = self.scene.coupling, self.scene.stop_time
-        found = checks.loops(system)
-        step = coupling.step
-        scheme: str = coupling.scheme
-        before: list[Check] = []
-        if scheme == "auto":
-            scheme, why = checks.choose_scheme(system, found, step or 0.0)
-            before.append(Check("scheme", "info", None, None, f"auto: {scheme}, because {why}"))
-        elif scheme in ("hermite", "implicit") and not system.can_roll_back:
-            stuck = ", ".join(u.name for u in system.units if not u.can_roll_back)
-            raise SceneError(
-                f"{scheme} needs units that save and restore their state, {stuck} cannot: use 'extrapolate'",
-                file=self.scene.file, key="coupling.scheme",
-            )  # fmt: skip
-        if step is None and not system.can_roll_back:
-            raise SceneError("error control needs units that save and restore their state: give a step instead",
-                             file=self.scene.file, key="coupling.tolerance")  # fmt: skip
-        if step is None and ORDERS[scheme] == 1:
-            raise SceneError(f"{scheme} has no error estimate to control the step by: give a step instead",
-                             file=self.scene.file, key="coupling.tolerance")  # fmt: skip
-        max_step = step or min(stop / 50.0, checks.largest_step(found, scheme))
-        before += checks.before_run(system, found, scheme, max_step)
-        refused = [c for c in before if c.level == "refused"]
-        if refused and refuse:
-            raise SceneError(refused[0].message, file=self.scene.file, key="coupling.step")
-        interval = self.scene.record.interval or step or stop / DEFAULT_POINTS
-        settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop)
-        return settings, before
-
-    def _result(self, scheme: str, before: list[Check]) -> Result:
-        return Result(
-            title=self.scene.title, case=self.case, scheme=scheme, status="done", message="",
-            time=np.empty(0), columns={}, units={}, checks=before, scene_source=self.scene.source,
-            flavours={name: unit.flavour for name, unit in self.resolved.units.items()},
-        )  # fmt: skip
-
-    def _fill(self, result: Result, system: System, run: Run, columns: dict[str, Array], recorded: list[str]) -> None:
-        self._fill_columns(result, columns, recorded)
-        result.events = run.events
-        result.step_sizes = np.array(run.steps)
-        result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}
-        result.statistics = {
-            "steps": float(len(run.steps)), "rejected": float(run.rejected), "events_located": float(run.located),
-            "wall_s": run.wall, "cpu_s": run.cpu,
-            "real_time_factor": run.time / run.wall if run.wall else math.nan,
-        }  # fmt: skip
-
-    def _fill_columns(self, result: Result, columns: dict[str, Array], recorded: list[str]) -> None:
-        result.columns = {n: columns[n] for n in recorded}
-        result.units = {
-            f"{u}.{v}": self.resolved.units[u].description.by_name()[v].unit or "" for u, v in self.resolved.record
-        }
-
-    def _second_run(
-        self, scene: Scene, settings: Settings, report: Callable[[float], None]
-    ) -> tuple[Array, dict[str, Array]]:
-        """Another run: (time, columns)."""
-        system = self._system(self._resolve(scene))
-        recorder = Recorder([f"{u.name}.{o}" for u in system.units for o in u.outputs])
-        try:
-            simulate(system, settings, recorder, report)
-        finally:
-            system.close()
+            system = started(scene, self._make_unit, self._resolved)
+            try:
+                recorder = _recorder(system, None)
+                simulate(system, settings, recorder, self._stages.progress(name, settings.stop_time))
+            finally:
+                system.close()
+        except RunError as error:
+            return error
         return recorder.columns()
 
-    def _error(
-        self,
-        settings: Settings,
-        time: Array,
-        columns: dict[str, Array],
-        recorded: list[str],
-        report: Callable[[float], None],
-    ) -> dict[str, float]:
-        """Largest difference to a run with doubled step (tenfold tolerance) on the common times, relative to the
-        variable's largest value, over 2^p - 1."""
-        doubled: dict[str, Any] = {
-            "step": None if settings.step is None else 2.0 * settings.step,
-            "tolerance": None if settings.tolerance is None else 10.0 * settings.tolerance,
-            "max_step": 2.0 * settings.max_step,
-        }
-        order = ORDERS[settings.scheme] if settings.step else 0.0
-        if settings.step:
-            doubled["record_interval"] = max(settings.record_interval, 2.0 * settings.step)
-        coarse = Settings(**{**vars(settings), **doubled})
-        try:
-            coarse_time, coarse_columns = self._second_run(self.scene, coarse, report)
-        except RunError:
-            return {}
-        _, here, there = np.intersect1d(np.round(time, 9), np.round(coarse_time, 9), return_indices=True)
-        share = 1.0 / (2.0**order - 1.0) if order else 1.0
-        sources = {f"{c.source_unit}.{c.source}" for c in self.resolved.connections}
-        found = {}
-        for name in recorded:
-            scale = float(np.max(np.abs(columns[name]), initial=0.0))
-            if name in sources and scale:
-                found[name] = share * float(np.max(np.abs(columns[name][here] - coarse_columns[name][there]))) / scale
-        return found
 
-    def _compare(
-        self,
-        result: Result,
-        settings: Settings,
-        system: System,
-        columns: dict[str, Array],
-        recorded: list[str],
-        report: Callable[[float], None],
-    ) -> None:
-        check = self.scene.checks.sdof
-        assert check is not None
-        one_way_scene = self.scene.without(check.cut)
-        try:
-            time, one_way = self._second_run(one_way_scene, settings, report)
-        except RunError as error:
-            result.checks.append(Check("one-way run", "warning", None, None, f"failed: {error}"))
-            return
-        if len(time) < len(result.time):
-            result.checks.append(Check("one-way run", "warning", None, None, "ended early"))
-            return
-        result.one_way = {name: one_way[name] for name in recorded if name in one_way}
-        settled = time >= check.settle
-        omega = judge.dominant_frequency(time[settled], one_way[check.driver][settled])
-        stiffness = judge.dynamic_stiffness(system, check, omega)
-        result.checks += sdof.before_run(system, check)
-        result.comparison = judge.compare(check, time, columns, one_way, sdof.theory(system, check), stiffness)
-        result.response = sdof.response(system, check, omega, one_way, time)
+def _coarse(settings: Settings) -> Settings:
+    step, tolerance, interval = settings.step, settings.tolerance, settings.record_interval
+    return replace(
+        settings,
+        step=step and COARSE * step,
+        tolerance=tolerance and COARSE_TOLERANCE * tolerance,
+        max_step=COARSE * settings.max_step,
+        record_interval=max(interval, COARSE * step) if step else interval,
+    )
 
 
-def run(
-    scene: Scene | str | Path, case: str | None = None, report: Report | None = None, flavour: Flavour = "auto"
-) -> Result:
-    """Run a scene (its path or name), or one case of it."""
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    return Master(loaded, case, None, flavour).run(report)
+def _coupled_run(
+    resolved: ResolvedScene, system: System, settings: Settings, result: Result, stages: Stages, journal: Path | None
+) -> Columns:
+    """Every observed output of the coupled run; those that are recorded, events and counts go to the result, which is a
+    failed one where the run fails."""
+    recorder = _recorder(system, journal)
+    try:
+        run = simulate(system, settings, recorder, stages.progress(MAIN, settings.stop_time))
+    except RunError as error:
+        _fail(result, str(error))
+        run = getattr(error, "run", Run())
+    finally:
+        recorder.close()
+    result.time, columns = recorder.columns()
+    _keep(result, resolved, columns)
+    result.events = run.events
+    result.step_sizes = np.array(run.steps)
+    result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}
+    result.statistics = {
+        "steps": float(len(run.steps)),
+        "rejected": float(run.rejected),
+        "events_located": float(run.located),
+        "wall_s": run.wall,
+        "cpu_s": run.cpu,
+        "real_time_factor": run.time / run.wall if run.wall else math.nan,
+    }
+    return columns
 
 
-def run_all(scene: Scene | str | Path, report: Report | None = None, flavour: Flavour = "auto") -> list[Result]:
-    """Run every case of a scene."""
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    names: list[str | None] = [case.name for case in loaded.cases]
-    return [Master(loaded, name, None, flavour).run(report) for name in names or [None]]
+def _judge(run: Finished) -> None:
+    """Have the checks look at the run, and put their words together."""
+    checks = checks_of(run.scene.scene)
+    for check in checks:
+        run.result.checks += check.after(run)
+    run.result.verdict = verdict(check.item(run.result) for check in checks)
+
+
+def _recorder(system: System, journal: Path | None) -> Recorder:
+    return Recorder([f"{unit.name}.{output}" for unit in system.units for output in unit.outputs], journal)
+
+
+def _result(resolved: ResolvedScene, scheme: str, findings: list[Finding]) -> Result:
+    scene = resolved.scene
+    return Result(
+        title=scene.title,
+        case=scene.chosen,
+        scheme=scheme,
+        status="done",
+        message="",
+        time=np.empty(0),
+        columns={},
+        units={},
+        checks=findings,
+        scene_source=scene.source,
+        flavours={name: unit.flavour for name, unit in resolved.units.items()},
+    )
+
+
+def _fail(result: Result, message: str) -> None:
+    result.status, result.message = "failed", message
+    result.verdict = Verdict("not judged", "the run failed", None, None)
+
+
+def _keep(result: Result, resolved: ResolvedScene, columns: Columns) -> None:
+    """Those columns that the scene records, as far as they are known, with their units of measure."""
+    variables = {name: unit.description.by_name() for name, unit in resolved.units.items()}
+    for unit, name in resolved.record:
+        column = f"{unit}.{name}"
+        result.units[column] = variables[unit][name].unit or ""
+        if column in columns:
+            result.columns[column] = columns[column]

@@ -1,4 +1,4 @@
-"""The coupling schemes: one communication step each.
+"""The coupling schemes: values that say what a scheme needs and does, and take one communication step.
 
 | scheme | what it does | step calls | order |
 |---|---|---|---|
@@ -11,22 +11,29 @@
 Orders are those of the global error for smooth signals with rates (measured: ``benchmarks/coupling.py``). A scheme
 returns its error estimate for the step, relative to the largest value of each signal: predictor against corrector where
 there is a corrector, else the interface residual |u(end used) - u(end found)| times 0.05, its effect on a motion of the
-loop's frequency at some 20 steps a period. The schemes of order 1 have none.
+loop's frequency at some 20 steps a period. The schemes that hold their inputs have none.
+
+The limits on H w, w the frequency of an interface loop (`towage.checks.step`), are those below which the energy of the
+undamped loop grows by less than 1 % a radian at mass ratios from 0.06 to 100 (measured: ``benchmarks/coupling.py
+stability``).
+
+Nothing heavy is imported here, so that a scene can be checked against its scheme.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
-
-import numpy as np
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from towage.errors import RunError
-from towage.master.system import Signal, System
 
-Scheme = Callable[[System, float, float], float]
+if TYPE_CHECKING:
+    from towage.master.system import Signal, System
+
 FLOOR = 1e-3
+"""Scale of a signal that was never larger."""
 MAX_ITERATIONS = 50
 ITERATION_TOLERANCE = 1e-11
 ROUND_OFF = 1e-8
@@ -34,6 +41,37 @@ ROUND_OFF = 1e-8
 HISTORY = 9
 """Iterations that the quasi-Newton update looks back on, those of earlier steps included."""
 RESIDUAL_WEIGHT = 0.05
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A way to take one communication step.
+
+    ``step(system, time, step)`` takes the started system from ``time`` (s) over ``step`` (s), leaves the ends of all
+    signals as found, and returns its estimate of the step's error, relative to the largest value of each signal. It may
+    raise `StepRefused` of a unit, and `RunError`.
+    """
+
+    name: str
+    description: str
+    """What it does, in one sentence."""
+    order: int
+    """Order of the global error for smooth signals with rates."""
+    calls: int
+    """Steps that it asks of a unit in a loop for one communication step, at least."""
+    step: Callable[[System, float, float], float]
+    goes_back: bool = False
+    """It needs units that save and restore their state."""
+    solves_loops: bool = False
+    """It repeats a step until both ends of every signal fit, which algebraic loops need."""
+    holds: bool = False
+    """Inputs are held over a step: rates and events are not read, and there is no error estimate."""
+    limits: tuple[float, float] | None = None
+    """Largest H w of an interface loop with one mass, and with more than one; None: nothing is known to limit it."""
+
+    def limit(self, masses: int) -> float:
+        """Largest H w of an interface loop with so many masses; infinite if nothing limits it."""
+        return self.limits[masses > 1] if self.limits else math.inf
 
 
 def jacobi(system: System, time: float, step: float) -> float:
@@ -84,17 +122,19 @@ def implicit(system: System, time: float, step: float) -> float:
     _predict(system, time, step)
     if not system.looped:
         return 0.0
+    import numpy as np  # not needed to check a scene, which asks what a scheme is
+
     predicted = _sent(system)
     weights = np.array([w / max(s.scale, FLOOR) for s in system.backward for w in ((1.0, step) if s.rated else (1.0,))])
     learned = system.learned(step)
-    used = _ends(system)
+    used = np.array(_ends(system))
     before: tuple[Any, Any] | None = None
     best, stalled, fresh = math.inf, 0, 0
     for _ in range(MAX_ITERATIONS):
         _set_ends(system, used)
         _correct(system, time, step)
-        found = _ends(system)
-        residual = found - used
+        ends = np.array(_ends(system))
+        residual = ends - used
         size = float(np.max(np.abs(residual * weights)))
         if not size < math.inf:
             break
@@ -103,17 +143,17 @@ def implicit(system: System, time: float, step: float) -> float:
         if size < ITERATION_TOLERANCE or (size < ROUND_OFF and stalled):
             return _change(predicted)
         if before:
-            learned.append((residual - before[0], found - before[1]))
+            learned.append((residual - before[0], ends - before[1]))
             fresh += 1
-        before = residual, found
+        before = residual, ends
         kept = min(fresh, HISTORY) if stalled else HISTORY  # what an earlier step taught goes where it does not help
         del learned[: max(0, len(learned) - kept)]
-        used = found
+        used = ends
         if learned:
             changes = weights[:, None] * np.array([r for r, _ in learned]).T
             norms = np.linalg.norm(changes, axis=0) + 1e-300
             mixture = np.linalg.lstsq(changes / norms, -residual * weights, rcond=1e-10)[0]
-            used = found + np.array([f for _, f in learned]).T @ (mixture / norms)
+            used = ends + np.array([f for _, f in learned]).T @ (mixture / norms)
     raise RunError(
         f"the coupling did not converge in {MAX_ITERATIONS} iterations at a step of {step:g} s: try a smaller step, or "
         "join the tightly coupled units (cradle_on_line for a cradle on a stiff line)",
@@ -131,8 +171,9 @@ def _change(before: list[tuple[Signal, float]]) -> float:
     return max((abs(s.end_value - value) / max(s.scale, FLOOR) for s, value in before), default=0.0)
 
 
-def _ends(system: System) -> Any:
-    return np.array([x for s in system.backward for x in ((s.end_value, s.end_rate) if s.rated else (s.end_value,))])
+def _ends(system: System) -> list[float]:
+    """Values and rates at the end of the step of the signals that run backward."""
+    return [x for s in system.backward for x in ((s.end_value, s.end_rate) if s.rated else (s.end_value,))]
 
 
 def _set_ends(system: System, values: Any) -> None:
@@ -177,12 +218,46 @@ def _residual(signals: list[Signal], step: float) -> float:
     return worst
 
 
-SCHEMES: dict[str, Scheme] = {
-    "hermite": hermite,
-    "extrapolate": extrapolate,
-    "implicit": implicit,
-    "jacobi": jacobi,
-    "gauss-seidel": gauss_seidel,
-}
-ORDERS = {"hermite": 4, "extrapolate": 3, "implicit": 4, "jacobi": 1, "gauss-seidel": 1}
-"""Order of the global error of each scheme."""
+HERMITE = Scheme(
+    "hermite",
+    "Predictor, then one corrector on cubic Hermite signals",
+    order=4,
+    calls=2,
+    step=hermite,
+    goes_back=True,
+    limits=(2.4, 1.2),
+)
+EXTRAPOLATE = Scheme(
+    "extrapolate",
+    "Signals that run backward are extrapolated by a quadratic, the others interpolated",
+    order=3,
+    calls=1,
+    step=extrapolate,
+    limits=(1.2, 1.2),
+)
+IMPLICIT = Scheme(
+    "implicit",
+    "Corrector repeated until the ends of all signals fit, accelerated by a quasi-Newton update",
+    order=4,
+    calls=3,
+    step=implicit,
+    goes_back=True,
+    solves_loops=True,
+    limits=(3.1, 1.9),
+)
+JACOBI = Scheme(
+    "jacobi",
+    "Inputs held at the communication point, all units side by side",
+    order=1,
+    calls=1,
+    step=jacobi,
+    holds=True,
+)
+GAUSS_SEIDEL = Scheme(
+    "gauss-seidel",
+    "Inputs held at their newest value, one unit after the other",
+    order=1,
+    calls=1,
+    step=gauss_seidel,
+    holds=True,
+)

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from towage.scene.resolve import Connection, ResolvedScene
+from towage.scene.resolve import ResolvedConnection, ResolvedScene, ResolvedUnit
 from towage.units.archive import unpacked
-from towage.units.fmu import Input, Unit
+from towage.units.fmu import Unit, UnitFactory
+from towage.units.wiring import Input, Wanted
 
 SAME_STEP = 1e-6
 """Relative difference below which two step lengths are one: k h is not exactly the time."""
@@ -27,10 +28,10 @@ SAME_STEP = 1e-6
 class Signal:
     """One connection at work. ``rated``: its source reports the rate; ``backward``: its source comes after its target."""
 
-    connection: Connection
+    connection: ResolvedConnection
     source: int
     target: int
-    entry: Input
+    input: Input
     slot: int
     rate_slot: int
     factor: float
@@ -48,9 +49,18 @@ class Signal:
 class System:
     """The running units. FMUs are unpacked below ``extracted``. ``freeze``: ask units to hold their branches over a step,
     provided that all can go back to a step's start, which the search for events needs. ``held``: inputs are held over a
-    step, so that neither rates nor events are read."""
+    step, so that neither rates nor events are read. ``make`` makes the units.
 
-    def __init__(self, scene: ResolvedScene, extracted: Path, freeze: bool = False, held: bool = False) -> None:
+    Raises `FmuError` and `RunError` if a unit cannot be loaded or instantiated."""
+
+    def __init__(
+        self,
+        scene: ResolvedScene,
+        extracted: Path,
+        freeze: bool = False,
+        held: bool = False,
+        make: UnitFactory = Unit,
+    ) -> None:
         self.scene = scene
         self._freeze = freeze
         self.units: list[Unit] = []
@@ -60,7 +70,8 @@ class System:
         self._learned_step = 0.0
         try:
             for resolved in scene.units.values():
-                self.units.append(_instantiate(resolved.name, scene, extracted, held))
+                directory = unpacked(resolved.path, extracted)
+                self.units.append(make(resolved.name, resolved.description, directory, _wanted(resolved, scene, held)))
         except BaseException:
             self.close()
             raise
@@ -85,16 +96,16 @@ class System:
             (i, unit.slot["next_event_time"]) for i, unit in enumerate(self.units) if "next_event_time" in unit.slot
         ]
 
-    def _signal(self, connection: Connection, number: dict[str, int]) -> Signal:
+    def _signal(self, connection: ResolvedConnection, number: dict[str, int]) -> Signal:
         source, target = number[connection.source_unit], number[connection.target_unit]
         slots = self.units[source].slot
         rate = slots.get(f"{connection.source}_rate", -1)
-        entry = self.units[target].inputs[connection.target]
-        return Signal(connection, source, target, entry, slots[connection.source], rate, connection.factor, rate >= 0)
+        place = self.units[target].inputs[connection.target]
+        return Signal(connection, source, target, place, slots[connection.source], rate, connection.factor, rate >= 0)
 
     def _order(self) -> list[int]:
         """Units in the order of evaluation: after every unit whose output goes straight through them."""
-        hard = {i: {s.source for s in self.into[i] if s.entry.feedthrough} for i in range(len(self.units))}
+        hard = {i: {s.source for s in self.into[i] if s.input.feedthrough} for i in range(len(self.units))}
         order: list[int] = []
         left = list(range(len(self.units)))
         while left:
@@ -223,14 +234,14 @@ class System:
         unit = self.units[i]
         buffer = unit.input_buffer
         for s in self.into[i]:
-            entry = s.entry
+            place = s.input
             a0, a1, a2, a3 = s.polynomial
-            k, d = entry.slot, entry.derivatives
-            if entry.orders == 3:
+            k, d = place.slot, place.derivatives
+            if place.orders == 3:
                 buffer[k], buffer[d], buffer[d + 1], buffer[d + 2] = a0, a1, 2.0 * a2, 6.0 * a3
-            elif entry.orders == 1:  # a straight line that ends where the signal does
+            elif place.orders == 1:  # a straight line that ends where the signal does
                 buffer[k], buffer[d] = a0, a1 + step * (a2 + step * a3)
-            elif entry.feedthrough:  # held over the step: what goes straight through should be right at its end
+            elif place.feedthrough:  # held over the step: what goes straight through should be right at its end
                 buffer[k] = a0 + step * (a1 + step * (a2 + step * a3))
             else:  # and what is integrated should be right on average
                 buffer[k] = a0 + step * (a1 / 2.0 + step * (a2 / 3.0 + step * a3 / 4.0))
@@ -241,15 +252,13 @@ class System:
         return min((t for t in ahead if t > time + 1e-12 * (1.0 + abs(time))), default=float("inf"))
 
 
-def _instantiate(name: str, scene: ResolvedScene, extracted: Path, held: bool) -> Unit:
-    resolved = scene.units[name]
-    directory = unpacked(resolved.path, extracted)
-    connected = [c.target for c in scene.connections if c.target_unit == name]
-    sources = [c.source for c in scene.connections if c.source_unit == name]
-    names = sources + [v for u, v in scene.record if u == name]
+def _wanted(unit: ResolvedUnit, scene: ResolvedScene, held: bool) -> Wanted:
+    """What the scene wants of a unit; where inputs are held, neither rates nor events."""
+    connected = [c.target for c in scene.connections if c.target_unit == unit.name]
+    sources = [c.source for c in scene.connections if c.source_unit == unit.name]
+    names = sources + [v for u, v in scene.record if u == unit.name]
     if not held:
-        events = [v.name for v in resolved.description.variables if v.name.startswith("event_")]
+        events = [v.name for v in unit.description.variables if v.name.startswith("event_")]
         names += [f"{n}_rate" for n in sources] + events + ["next_event_time"]
-    known = {v.name for v in resolved.description.variables if v.type == "Real"}
-    wanted = [n for n in dict.fromkeys(names) if n in known]
-    return Unit(name, resolved.description, directory, connected, sources, wanted, cubic=not held)
+    known = {v.name for v in unit.description.variables if v.type == "Real"}
+    return Wanted(connected, sources, [n for n in dict.fromkeys(names) if n in known], cubic=not held)

@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import threading
-import time as clock
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import IO, Any, Self
@@ -25,11 +25,25 @@ POLL = 0.1
 START = 30.0
 """What a child is given beyond the timeout until it first speaks, s: it loads its libraries."""
 GRACE = 5.0
-"""What a child that has answered, or has lost its voice, is given to end, s."""
+"""What a child that has answered, or is to write its stack, is given to end, s."""
+LOOKS = 50
+"""Waits of `POLL` for a last line of a child that has ended, whose pipe a process that it left behind may hold open."""
 SHOWN_LINES = 20
 SHOWN_BYTES = 500
 """Of what a child prints the end is kept: lines, and the bytes of each, because a unit may print without end of line."""
 Report = Callable[[float, str], None]
+
+
+class Clock:
+    """Tells the time by which the silence of a child is measured. Tests put another one in the place of `CLOCK`, so that
+    a slow machine makes no child late."""
+
+    def now(self, pid: int) -> float:
+        """The time in s from any origin, for the child of that process id."""
+        return time.monotonic()
+
+
+CLOCK = Clock()
 
 
 class Died(Exception):
@@ -119,6 +133,7 @@ def attend() -> tuple[IO[bytes], Callable[[dict[str, Any]], None]]:
         os.dup2(nothing.fileno(), 0)
 
     def say(message: dict[str, Any]) -> None:
+        """Send one message to the parent; without a parent the process ends."""
         try:
             print(json.dumps(message), file=channel, flush=True)
         except OSError:  # the parent is gone
@@ -141,28 +156,39 @@ def _listen(
 ) -> dict[str, Any]:
     """Pass progress on until the child answers. Of a wait at most `POLL` counts as silence, so that a machine or a
     terminal that was suspended kills nobody."""
-    silence = 0.0
+    silence, looks, before = 0.0, 0, CLOCK.now(child.pid)
     last: tuple[float, str] | None = None
     while True:
-        ended = child.poll() is not None and not reader.is_alive()
-        line, said, begin = b"", None, clock.monotonic()
-        with contextlib.suppress(queue.Empty):
-            line = lines.get(timeout=POLL)
-        with contextlib.suppress(ValueError):  # a line may be printed before the child moves its stdout
-            said = json.loads(line)
-        silence += min(clock.monotonic() - begin, POLL)
-        if isinstance(said, dict):
-            if "share" not in said:
-                return said
-            if (said["share"], said["text"]) != last:
-                silence, last = 0.0, (said["share"], said["text"])
+        gone = child.poll() is not None
+        ended = gone and not reader.is_alive()
+        message, empty = _next_message(lines)
+        now = CLOCK.now(child.pid)
+        silence, before = silence + min(now - before, POLL), now
+        if message is not None:
+            if "share" not in message:
+                return message
+            if (message["share"], message["text"]) != last:
+                silence, last = 0.0, (message["share"], message["text"])
                 if report:
-                    report(said["share"], said["text"])
-        if (ended and not line) or (child.poll() is not None and silence > GRACE):
+                    report(message["share"], message["text"])
+        looks += gone and empty
+        if (ended and empty) or looks > LOOKS:
             raise Died(_fate(child.returncode))
         if silence >= (timeout if last else timeout + START):
             _ask_for_stack(child)
             raise Hung(f"made no progress for {timeout:g} s and was stopped")
+
+
+def _next_message(lines: queue.SimpleQueue[bytes]) -> tuple[dict[str, Any] | None, bool]:
+    """(what the next line says, None if it is no message; whether there was no line for `POLL` s)."""
+    line = b""
+    with contextlib.suppress(queue.Empty):
+        line = lines.get(timeout=POLL)
+    with contextlib.suppress(ValueError):  # a line may be printed before the child moves its stdout
+        message = json.loads(line)
+        if isinstance(message, dict):
+            return message, False
+    return None, not line
 
 
 def _fate(code: int) -> str:
@@ -177,10 +203,10 @@ def _fate(code: int) -> str:
 
 
 def _ask_for_stack(child: subprocess.Popen[bytes]) -> None:
-    """Have a hung child write its stack, which it can do from a signal handler, then end it."""
+    """Have a hung child write its stack, which it can do from a signal handler and then ends; else end it."""
     if hasattr(signal, "SIGUSR1"):
         child.send_signal(signal.SIGUSR1)
         with contextlib.suppress(subprocess.TimeoutExpired):
-            child.wait(2 * POLL)
+            child.wait(GRACE)
     child.kill()
     child.wait()

@@ -3,7 +3,7 @@
     with progress(stop_time, "8 s wave") as bar:
         bar.update(time)
 
-Nothing here can end the work it reports on: once stderr cannot be written, the bar falls silent.
+Nothing here can end the work it reports on: once stderr cannot be written, nothing more is shown.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ import json
 import math
 import sys
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Literal, Self
 
 Mode = Literal["auto", "json", "none"]
 
+CLOCK: Callable[[], float] = time.monotonic
+"""The time in s; tests put another one here."""
 _TERMINAL_INTERVAL = 0.1
 _LOG_INTERVAL = 5.0
 _JSON_INTERVAL = 0.2
@@ -53,7 +56,7 @@ class Bar:
         self.done = 0.0
         self.text = ""
         self._interval = interval
-        self._start = time.monotonic()
+        self._start = CLOCK()
         self._next = self._start + (interval if interval > _TERMINAL_INTERVAL else 0.0)
 
     def update(self, done: float, text: str = "") -> None:
@@ -62,14 +65,14 @@ class Bar:
         self.done = done
         if text:
             self.text = text
-        now = time.monotonic()
+        now = CLOCK()
         if now >= self._next:
             self._next = now + self._interval
             self._guarded("running")
 
     def status(self) -> dict[str, float | str | None]:
         """Done, total, fraction, elapsed time and time left in s, rate per s; None where not known."""
-        elapsed = time.monotonic() - self._start
+        elapsed = CLOCK() - self._start
         rate = self.done / elapsed if elapsed > 0.0 and math.isfinite(self.done) else None
         left = max(self.total - self.done, 0.0) / rate if rate and self.total else None
         return {
@@ -114,6 +117,8 @@ class Bar:
 
 
 class _JsonBar(Bar):
+    """For another program: one JSON object a line."""
+
     def _show(self, state: str) -> None:
         print(json.dumps({**self.status(), "state": state}, allow_nan=False), file=sys.stderr, flush=True)
 

@@ -20,24 +20,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from towage import errors
+from towage.files import FULL, reason
 from towage.process.child import Died, Report, attend, converse
-from towage.process.files import FULL, reason
 from towage.process.mark import Mark
-from towage.scene.scene import Scene
+from towage.result.records import Finding
+from towage.scene.resolve import ResolvedScene
 
 if TYPE_CHECKING:
-    from towage.result.result import Check, Result
-    from towage.scene.flavour import Flavour
+    from towage.result.result import Result
 
 
 class Request(NamedTuple):
     """What the child is to do; ``task`` is "run" or "check"."""
 
     task: str
-    scene: Scene
-    case: str | None
-    fmus: Path | None
-    flavour: Flavour
+    resolved: ResolvedScene
     directory: Path
 
 
@@ -49,33 +46,25 @@ class Interrupted(KeyboardInterrupt):
         self.result = result
 
 
-def run_isolated(
-    scene: Scene,
-    case: str | None = None,
-    fmus: Path | None = None,
-    report: Report | None = None,
-    timeout: float = math.inf,
-    flavour: Flavour = "python",
-) -> Result:
-    """What ``Master(scene, case, fmus, flavour).run(report)`` returns, computed in another process.
+def run_isolated(resolved: ResolvedScene, report: Report | None = None, timeout: float = math.inf) -> Result:
+    """What ``run_resolved(resolved, report)`` returns, computed in another process.
 
     A crash, an exit, a lack of memory or ``timeout`` s without progress (the time simulated does not move on) give a
-    result with status "failed" that holds what was recorded. Raises what `Master` raises, and `Interrupted` on Ctrl-C.
+    result with status "failed" that holds what was recorded. Raises what `run_resolved` raises, and `Interrupted` on Ctrl-C.
     """
-    from towage.master.master import Master
+    from towage.master.master import salvaged
     from towage.result.result import Result
 
     with tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True) as name:
         directory = Path(name)
-        request = Request("run", scene, case, fmus, flavour, directory)
         try:
-            _ask(request, report, timeout)
+            _ask(Request("run", resolved, directory), report, timeout)
             return Result.load_npz(directory / "result.npz")
         except Died as death:
             message, interrupted = str(named(death, directory)), False
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
-        result = Master(scene, case, fmus, flavour).salvage(directory / "journal", message)
+        result = salvaged(resolved, directory / "journal", message)
         reached = f"the record ends at t = {result.time[-1]:.9g} s" if len(result.time) else "nothing was recorded"
         result.message += f"; {reached}"
         if interrupted:
@@ -83,23 +72,15 @@ def run_isolated(
         return result
 
 
-def check_isolated(
-    scene: Scene,
-    case: str | None = None,
-    fmus: Path | None = None,
-    timeout: float = math.inf,
-    flavour: Flavour = "python",
-) -> list[Check]:
-    """What ``Master(scene, case, fmus, flavour).check()`` returns. Raises what that raises, and `RunError` where a unit ends the
-    process or does not come back within ``timeout`` s."""
-    from towage.result.result import Check
-
+def check_isolated(resolved: ResolvedScene, timeout: float = math.inf) -> list[Finding]:
+    """What ``check_resolved(resolved)`` returns. Raises what that raises, and `RunError` where a unit ends the process or
+    does not come back within ``timeout`` s."""
     with tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True) as name:
         try:
-            found = _ask(Request("check", scene, case, fmus, flavour, Path(name)), None, timeout)
+            findings = _ask(Request("check", resolved, Path(name)), None, timeout)
         except Died as death:
             raise named(death, Path(name)) from None
-    return [Check(**values) for values in found]
+    return [Finding(**values) for values in findings]
 
 
 def _ask(request: Request, report: Report | None, timeout: float) -> Any:
@@ -152,7 +133,7 @@ def watch(directory: Path) -> None:
     stack = open(directory / "stack", "w")  # noqa: SIM115 - open until the process ends
     faulthandler.enable(stack)
     if hasattr(signal, "SIGUSR1"):
-        faulthandler.register(signal.SIGUSR1, stack)
+        faulthandler.register(signal.SIGUSR1, stack, chain=True)  # and end as this signal ends a process
 
 
 def _serve(request: Request, report: Report) -> dict[str, Any]:
@@ -160,14 +141,14 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
 
     watch(request.directory)
     try:
-        from towage.master.master import Master
+        from towage.master.master import check_resolved, run_resolved
 
         report(0.0, "initialisation")
-        Mark(request.directory / "mark").watch()
-        master = Master(request.scene, request.case, request.fmus, request.flavour)
+        make_unit = Mark(request.directory / "mark").unit
         if request.task == "check":
-            return {"done": [vars(check) for check in master.check()]}
-        master.run(report, request.directory / "journal").save_npz(request.directory / "result.npz")
+            return {"done": [vars(finding) for finding in check_resolved(request.resolved, make_unit)]}
+        result = run_resolved(request.resolved, report, request.directory / "journal", make_unit)
+        result.save_npz(request.directory / "result.npz")
         return {"done": None}
     except errors.TowageError as error:
         fields = {k: v for k, v in vars(error).items() if k in ("file", "key", "entry", "unit", "variable", "time")}

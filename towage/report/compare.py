@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, figure, moment, number, page, percent, quantity, scale, table
 from towage.report.page import margin_cell, name_of, peak_tension
 from towage.report.plots import CYCLE, roles
@@ -43,8 +43,8 @@ class Run(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Of a variable against the first run: largest, when (s), rms, and rms over the rms of the first run's variable (NaN
-    where that is 0), all NaN where the runs have no time in common."""
+    """Of a variable against the first run, in its own unit: the largest and its time (s), the rms, and the rms over that of
+    the first run's variable (NaN where that is 0); all NaN where the runs have no time in common."""
 
     largest: float
     time: float
@@ -55,15 +55,15 @@ class Difference(NamedTuple):
 def runs_of(paths: Sequence[str | os.PathLike[str]]) -> list[Run]:
     """The results in ``paths``, npz files or directories of ``towage run``, under names that differ. Raises
     `TowageError` that names the file."""
-    found: list[tuple[Path, Result]] = []
+    loaded: list[tuple[Path, Result]] = []
     for path in map(Path, paths):
         files = sorted(path.glob("*.npz")) or [path / "*.npz"] if path.is_dir() else [path]
-        found += [(file, Result.load_npz(file)) for file in files]
-    one_title = len({result.title for _, result in found}) == 1
-    short = [result.case if one_title and result.case else name_of(result) for _, result in found]
+        loaded += [(file, Result.load_npz(file)) for file in files]
+    one_title = len({result.title for _, result in loaded}) == 1
+    short = [result.case if one_title and result.case else name_of(result) for _, result in loaded]
     counted = Counter(short)
-    names = [name if counted[name] == 1 else f"{name} ({file})" for name, (file, _) in zip(short, found)]
-    return [Run(name, result) for name, (_, result) in zip(names, found)]
+    names = [name if counted[name] == 1 else f"{name} ({file})" for name, (file, _) in zip(short, loaded)]
+    return [Run(name, result) for name, (_, result) in zip(names, loaded)]
 
 
 def write_comparison(runs: Sequence[Run], path: str | os.PathLike[str]) -> Path:
@@ -93,7 +93,8 @@ def common(runs: Sequence[Run]) -> list[str]:
 
 
 def against(first: Result, other: Result, name: str) -> tuple[Array, Array]:
-    """(times of ``first`` that ``other`` spans, the variable in ``other`` minus in ``first``)."""
+    """(times of ``first`` that ``other`` spans, s, the variable in ``other`` minus in ``first``, in its own unit), both of
+    shape (n,)."""
     if not len(first.time) or not len(other.time):
         return np.empty(0), np.empty(0)
     inside = (first.time >= other.time[0]) & (first.time <= other.time[-1])
@@ -102,7 +103,7 @@ def against(first: Result, other: Result, name: str) -> tuple[Array, Array]:
 
 
 def difference(first: Result, other: Result, name: str) -> Difference:
-    """The numbers of `against`."""
+    """The numbers of `against`, in the variable's own unit."""
     time, values = against(first, other, name)
     known = np.isfinite(values) & (np.abs(values) < _PLOTTED)
     if not known.any():
@@ -154,8 +155,8 @@ def _indicators(runs: Sequence[Run]) -> str:
 def _margins(runs: Sequence[Run]) -> str:
     worst = [{margin.variable: margin for margin in run.result.margins} for run in runs]
     rows = [
-        (name, *(f"{number(found[name].worst)} at {moment(found[name].time)}" if name in found else "–" for found in worst))
-        for name in dict.fromkeys(name for found in worst for name in found)
+        (name, *(f"{number(run[name].worst)} at {moment(run[name].time)}" if name in run else "–" for run in worst))
+        for name in dict.fromkeys(name for run in worst for name in run)
     ]
     return "<h2>Margins</h2>" + _side_by_side("Margin", rows, runs) if rows else ""
 
@@ -171,9 +172,9 @@ def _variables(runs: Sequence[Run], names: Sequence[str]) -> str:
     for name in names:
         unit = _unit(first, name)
         for run in runs[1:]:
-            found = difference(first, run.result, name)
-            largest, rms = quantity(found.largest, unit), quantity(found.rms, unit)
-            rows.append((name, run.name, largest, moment(found.time), rms, percent(found.relative)))
+            change = difference(first, run.result, name)
+            largest, rms = quantity(change.largest, unit), quantity(change.rms, unit)
+            rows.append((name, run.name, largest, moment(change.time), rms, percent(change.relative)))
     head = ("Variable", "Run", "Largest", "At", "rms", "over rms of the first")
     return f"<h2>Differences</h2>{table(head, rows, (2, 3, 4, 5))}" if rows else ""
 

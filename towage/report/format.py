@@ -35,12 +35,12 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(value: float | None, digits: int = 3) -> str:
-    """A relative number in percent."""
+    """A relative number, 1 for 100 %, in percent; a dash for None and NaN."""
     return "–" if value is None or math.isnan(value) else f"{number(100.0 * value, digits)} %"
 
 
 def scale(unit: str, peak: float) -> tuple[float, str]:
-    """(factor, unit) in which values up to ``peak`` read well: 37 000 N as 37 kN."""
+    """(factor, unit): values in ``unit`` up to ``peak`` are shown times the factor in that unit, 37 000 N as 37 kN."""
     if unit in _PREFIXED and math.isfinite(peak) and abs(peak) >= 1e4:
         for size, prefix in _PREFIXES:
             if abs(peak) >= size:
@@ -57,7 +57,7 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
 
 
 def moment(time: float | None) -> str:
-    """A time of the run, s."""
+    """A time of the run, s; a dash for None and NaN."""
     return "–" if time is None or math.isnan(time) else f"{number(time, 4)} s"
 
 
@@ -82,6 +82,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], numeric: Sequen
     side = [' class="num"' if column in numeric else "" for column in range(len(head))]
 
     def cells(tag: str, values: Sequence[object]) -> str:
+        """One row."""
         return "".join(f"<{tag}{kind}>{text(value)}</{tag}>" for kind, value in zip(side, values, strict=True))
 
     body = "".join(f"<tr>{cells('td', row)}</tr>\n" for row in rows)

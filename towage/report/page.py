@@ -14,10 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.process.files import atomic_write
+from towage.checks.check import every_check
+from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
-from towage.report.tables import accuracy, checks, comparison, events, margins, statistics
+from towage.report.tables import accuracy, checks, events, of_checks, statistics
 from towage.result.result import Margin, Result
 
 _PLOTTED_CASES = 10
@@ -28,20 +29,21 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
-_JUDGED = ("simpler model", "SDOF on a spring EA/L")
-"""Checks whose message begins with a word on a simpler model: the text summary prints them."""
 _GRAVITY = ("invalid", "marginal", "not judged", "valid")
 _ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
 
 
-def write_report(results: Sequence[Result], path: str | os.PathLike[str]) -> Path:
-    """Writes the report of ``results``, the cases of one or more scenes, to ``path`` and returns it.
+def write_report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> Path:
+    """Writes the report of a result, or of several (the cases of one or more scenes), to ``path`` and returns it.
 
-    All cases are in the overview; tables follow for the 40 gravest and diagrams for the 10 gravest, thinned so that
-    the file stays under 1.5 MB. Raises ValueError
-    without results and TowageError if the file cannot be written; an earlier report is then kept.
+        towage.write_report(towage.run_all("sea_cliff"), "sea_cliff.html")
+
+    One HTML file without scripts or references. All cases are in the overview; tables follow for the 40 gravest and
+    diagrams for the 10 gravest, thinned so that the file stays under 1.5 MB. Raises ``ValueError`` without results and
+    `TowageError` if the file cannot be written; an earlier report is then kept.
     """
+    results = [results] if isinstance(results, Result) else results
     if not results:
         raise ValueError("a report needs at least one result")
     with atomic_write(path) as stream:
@@ -58,7 +60,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  failure         {result.message or 'no reason was given'}")
     if result.verdict.reason or result.verdict.number is not None:
         lines.append(f"  verdict         {_reason(result)}")
-    lines += [f"  {check.name:15} {check.message}" for check in result.checks if check.name in _JUDGED]
+    lines += [f"  {label:15} {text}" for check in every_check() for label, text in check.summary(result)]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
     error = result.worst_coupling_error()
@@ -151,7 +153,7 @@ def _case(result: Result, key: str, buckets: int, event_rows: int) -> str:
     parts = [_figures(result, key, buckets)] if buckets else []
     if not len(result.time):
         parts = ['<p class="note">No samples were recorded.</p>']
-    parts += [comparison(result), margins(result), checks(result), accuracy(result)]
+    parts += [of_checks(result), checks(result), accuracy(result)]
     parts += [events(result, event_rows), statistics(result)]
     return "".join(parts)
 
@@ -217,7 +219,7 @@ def margin_cell(margin: Margin) -> str:
 
 
 def peak_tension(result: Result) -> tuple[str, str]:
-    """(largest tension, where and when); a dash without a column of tension."""
+    """(largest tension with its unit, its variable and time); a dash without a column of tension."""
     name = roles(result).tension
     if name is None or not np.isfinite(result[name]).any():
         return "–", ""

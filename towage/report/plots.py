@@ -64,11 +64,11 @@ def intervals(time: Array, inside: Array) -> Array:
 
 def slack(result: Result, tension: str) -> Array:
     """Intervals without tension, shape (k, 2), s: from the samples, else from the events of the line."""
-    found = intervals(result.time, result.columns[tension] <= 0.0)
+    spans = intervals(result.time, result.columns[tension] <= 0.0)
     unit = tension.rpartition(".")[0]
     events = [event for event in result.events if event.unit == unit and event.name == "taut" and event.direction]
-    if len(found) or not events:
-        return found
+    if len(spans) or not events:
+        return spans
     ends = [event.time for event in events]
     ends = ends if events[0].direction < 0 else [float(result.time[0]), *ends]
     ends = ends if len(ends) % 2 == 0 else [*ends, float(result.time[-1])]
@@ -76,7 +76,8 @@ def slack(result: Result, tension: str) -> Array:
 
 
 class Plotter:
-    """Draws the diagrams of one result; ``key`` is unique in the page, ``buckets`` the resolution along time."""
+    """Draws the diagrams of one result, each as the text of an SVG element. ``key`` is unique in the page; ``buckets``: parts
+    into which time is divided, two samples each."""
 
     def __init__(self, result: Result, key: str, buckets: int) -> None:
         self.result, self.key, self.buckets = result, key, buckets

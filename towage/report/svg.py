@@ -9,10 +9,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from html import escape
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from towage.files import atomic_write
 from towage.result.result import Array
 
 if TYPE_CHECKING:
@@ -29,8 +31,8 @@ _SETTINGS = {
 
 
 def thin(values: Array, buckets: int) -> Array:
-    """Indices, ascending, of the smallest and largest finite value in each of ``buckets`` equal parts of ``values``,
-    of the first gap (not finite) in each, and of both ends."""
+    """Indices into ``values``, shape (n,), ascending: of the smallest and largest finite value in each of ``buckets`` equal
+    parts, of the first gap (not finite) in each, and of both ends."""
     count = len(values)
     if count <= 2 * buckets:
         return np.arange(count)
@@ -68,6 +70,17 @@ def canvas(title: str, key: str, width: float, heights: Sequence[float]) -> Iter
         svg.append(_inline(drawing, title, key))
 
 
+def save_figure(figure: Figure, path: Path) -> None:
+    """Writes a figure, by the ending of ``path`` (.svg, .png or .pdf), with the same bytes every time. Raises
+    `TowageError` where it cannot be written."""
+    import matplotlib
+
+    kind = path.suffix.lstrip(".").lower() or "svg"
+    date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
+    with atomic_write(path) as stream, matplotlib.rc_context({"svg.hashsalt": "towage"}):
+        figure.savefig(stream, format=kind, metadata={date: None} if date else None)
+
+
 def _inline(drawing: Figure, title: str, key: str) -> str:
     """SVG element for HTML: no prologue, links or unused identifiers, coordinates to 0.01 pt."""
     buffer = io.StringIO()
@@ -78,7 +91,7 @@ def _inline(drawing: Figure, title: str, key: str) -> str:
     svg = re.sub(r' (xmlns(:\w+)?|version)="[^"]*"', "", svg).replace("xlink:href", "href")
     svg = re.sub(r"<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", rf'<svg \1 role="img" aria-label="{escape(title)}">', svg, count=1)
     used = set(re.findall(r'(?:url\(|href=")#([^")]+)', svg))
-    svg = re.sub(r' id="([^"]*)"', lambda found: f' id="{key}-{found[1]}"' if found[1] in used else "", svg)
+    svg = re.sub(r' id="([^"]*)"', lambda attribute: f' id="{key}-{attribute[1]}"' if attribute[1] in used else "", svg)
     svg = re.sub(r'(url\(|href=")#', rf"\1#{key}-", svg)
     svg = re.sub(r' transform="rotate\(-0 [^"]*"|font-family: [^;"]*;? ?|<defs>\s*</defs>', "", svg)
     svg = re.sub(r' (?:d|x|y)="[^"]*"', _shorter, svg)
@@ -97,6 +110,7 @@ def _without_plain_groups(svg: str) -> str:
     plain: list[bool] = []
 
     def keep(tag: re.Match[str]) -> str:
+        """The tag, or nothing where its group is plain."""
         if tag[0].endswith("/>"):
             return ""
         if tag[0] != "</g>":

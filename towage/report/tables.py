@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
+from html import escape
 
+from towage.checks.check import Cell, Part, every_check
 from towage.report.format import Markup, badge, details, moment, number, percent, quantity, table
 from towage.result.result import Result
 
@@ -20,56 +21,34 @@ _STATISTICS = {
 }
 
 
-def comparison(result: Result) -> str:
-    """The coupled run against the one-way run, and the thesis's own indicators with what they are worth."""
-    if not (compared := result.comparison):
-        return ""
-
-    def change(value: float) -> str:
-        return ("+" if value > 0.0 else "") + percent(value)
-
-    def against(value: float) -> str:
-        return "above the tolerance" if abs(value) > compared.tolerance else "within the tolerance"
-
-    def ours(value: float | None, meaning: str) -> str:
-        return "not available for this scene" if value is None else meaning
-
-    degrees = math.degrees(compared.phase)
-    bound = "upper bound of the amplitude error, from the one-way run alone"
-    indicator = "reaction over dynamic stiffness of the driver, from the one-way run alone"
-    rows = (
-        ("Amplitude", change(compared.amplitude), against(compared.amplitude)),
-        ("Phase", f"{'+' if degrees > 0.0 else ''}{number(degrees)}°", "coupled against one-way motion"),
-        ("Peak tension", change(compared.peak_tension), against(compared.peak_tension)),
-        ("rms of the difference", percent(compared.rms), "over the rms of the one-way motion"),
-        ("Indicator ε", number(compared.indicator), ours(compared.indicator, indicator)),
-        ("Bound ε/(1 − ε)", percent(compared.bound), ours(compared.bound, bound)),
-        ("Closed form ε*", number(compared.estimate), ours(compared.estimate, "estimate of ε without any run")),
-    )
-    thesis = (
-        ("Eigenvector test", percent(compared.eigenvector), "an identity, it can never fail"),
-        ("Frequency shift", percent(compared.frequency_shift), "passes wrongly in known cases"),
-    )
-    outcome = (
-        "<h3>Coupled against one-way (single degree of freedom)</h3>"
-        f"<p>{badge(compared.word)} against a tolerance of {percent(compared.tolerance)}.</p>"
-    )
-    caption = '<p class="note">The thesis’s own two indicators, for reference; neither has a part in the verdict.</p>'
-    head = ("Quantity", "Value", "Meaning")
-    return outcome + table(head, rows, (1,)) + caption + table(head, thesis, (1,))
+def of_checks(result: Result) -> str:
+    """What the checks show of the run, each its own tables."""
+    return "".join(_part(part) for check in every_check() for part in check.report(result))
 
 
-def margins(result: Result) -> str:
-    """The smallest value of each margin, those that decide first."""
-    if not result.margins:
-        return ""
-    ordered = sorted(result.margins, key=lambda margin: (not margin.decides, margin.worst))
-    rows = [(m.variable, number(m.worst), moment(m.time), "decides" if m.decides else "report only") for m in ordered]
-    return "<h3>Margins</h3>" + table(("Margin", "Worst", "At", "Use"), rows, (1, 2))
+def _part(part: Part) -> str:
+    """A table of a check, numbers set right."""
+    title = f"<h3>{escape(part.title)}</h3>" if part.title else ""
+    against = "" if part.limit is None else f" against a tolerance of {percent(part.limit)}"
+    word = f"<p>{badge(part.word)}{against}.</p>" if part.word else ""
+    note = f'<p class="note">{escape(part.note)}</p>' if part.note else ""
+    numeric = sorted({column for row in part.rows for column, cell in enumerate(row) if isinstance(cell, Cell)})
+    rows = [[_cell(cell) if isinstance(cell, Cell) else cell for cell in row] for row in part.rows]
+    return title + word + note + table(part.head, rows, numeric)
+
+
+def _cell(cell: Cell) -> str:
+    value, unit, signed = cell
+    plus = "+" if signed and value is not None and value > 0.0 else ""
+    if unit == "%":
+        return plus + percent(value)
+    if unit == "s":
+        return plus + moment(value)
+    return f"{plus}{number(value)}{unit if unit in ('', '°') else f' {unit}'}"
 
 
 def checks(result: Result) -> str:
-    """What was found before and after the run."""
+    """What the checks said before and after the run."""
     if not result.checks:
         return ""
     rows = [(c.name, badge(c.level), number(c.value), number(c.limit), c.message) for c in result.checks]

@@ -1,99 +1,36 @@
-"""What one run leaves behind: time series, events, checks, the verdict, and the files they are kept in.
+"""What one run leaves behind: time series, events, findings, the verdict, and how they are kept and shown.
 
 A result holds SI values on one time grid. npz is the working store (bit-exact), CSV and MAT 5 are for other programs.
 """
 
 from __future__ import annotations
 
-import codecs
-import csv
-import json
 import math
 import os
-import re
 import zipfile
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.errors import TowageError
-from towage.process.files import atomic_write
+from towage.errors import TowageError, suggest
+from towage.result import frames, show
+from towage.result.csv_file import write_csv
+from towage.result.mat_file import write_mat
+from towage.result.npz_file import read_npz, write_npz
+from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Margin, Verdict
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
+
+__all__ = ["Array", "Comparison", "Event", "Finding", "Margin", "Result", "Verdict"]
 
 Array = NDArray[Any]
-
-_FORMAT = 1
-_MATLAB_NAME = 63
-"""Longest name of a MATLAB variable."""
-
-
-@dataclass(frozen=True)
-class Event:
-    """A change of branch at ``time``, s: ``name`` as in ``event_<name>``; ``direction`` is the sign after the zero
-    crossing (+1 rising, -1 falling), 0 for an event in time."""
-
-    time: float
-    unit: str
-    name: str
-    direction: int
-
-
-@dataclass(frozen=True)
-class Check:
-    """One finding before or after a run; ``value`` and ``limit`` where there are any, in the unit ``message`` names."""
-
-    name: str
-    level: Literal["ok", "warning", "refused", "info"]
-    value: float | None
-    limit: float | None
-    message: str
-
-
-@dataclass(frozen=True)
-class Margin:
-    """Smallest value of a margin and when, s; 1 at rest, 0 at the limit of validity. ``decides``: it can make a run
-    invalid, otherwise it is shown only."""
-
-    variable: str
-    worst: float
-    time: float
-    decides: bool
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """The coupled run against the one-way run, which is the assumption of a single degree of freedom.
-
-    ``amplitude``, ``peak_tension``: relative change. ``phase``: change, rad. ``rms`` of the difference over rms of the
-    one-way motion. ``indicator`` eps = |D2/D1|, ``bound`` eps/(1 - eps) and the closed form ``estimate`` eps* need no
-    coupled run. ``eigenvector`` and ``frequency_shift`` are the thesis's own indicators, which pass wrongly.
-    """
-
-    tolerance: float
-    amplitude: float
-    phase: float
-    peak_tension: float
-    rms: float
-    indicator: float | None
-    bound: float | None
-    estimate: float | None
-    eigenvector: float | None
-    frequency_shift: float | None
-    word: str
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """The judgement on a run, with the number that decided and its limit."""
-
-    word: Literal["valid", "marginal", "invalid", "not judged"]
-    reason: str
-    number: float | None
-    limit: float | None
 
 
 @dataclass
@@ -116,10 +53,10 @@ class Result:
     units: dict[str, str]
     one_way: dict[str, Array] = field(default_factory=dict)
     events: list[Event] = field(default_factory=list)
-    checks: list[Check] = field(default_factory=list)
+    checks: list[Finding] = field(default_factory=list)
     margins: list[Margin] = field(default_factory=list)
     comparison: Comparison | None = None
-    verdict: Verdict = Verdict("not judged", "", None, None)
+    verdict: Verdict = NOT_JUDGED
     coupling_error: dict[str, float] = field(default_factory=dict)
     power_residual: dict[str, float] = field(default_factory=dict)
     statistics: dict[str, float] = field(default_factory=dict)
@@ -133,8 +70,7 @@ class Result:
         if name == "time":
             return self.time
         if name not in self.columns:
-            near = get_close_matches(name, self.columns, 1)
-            raise KeyError(f"no column {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
+            raise KeyError(f"no column {name!r}{suggest(name, self.columns)}")
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:
@@ -168,69 +104,77 @@ class Result:
         finite: dict[str, Any] = _plain(plain, finite=True)
         return finite
 
+    def series(self, one_way: str = "one_way:") -> tuple[dict[str, Array], dict[str, str]]:
+        """(arrays, units of measure) of everything on the time grid, shape (n,), SI: ``time``, the columns, and those of
+        the one-way run with the prefix ``one_way``."""
+        second = {f"{one_way}{name}": name for name in self.one_way}
+        arrays = {"time": self.time, **self.columns, **{key: self.one_way[name] for key, name in second.items()}}
+        units = {"time": "s", **self.units, **{key: self.units.get(name, "") for key, name in second.items()}}
+        return arrays, units
+
     def save_npz(self, path: str | os.PathLike[str]) -> None:
         """Everything, bit-exact; `load_npz` reads it back. Raises TowageError and keeps the earlier file if it cannot
         be written (this holds for every writer here)."""
-        metadata = {**self._metadata(), "format": _FORMAT, "column_names": list(self.columns)}
-        metadata["one_way_names"] = list(self.one_way)
-        arrays: dict[str, Any] = {"time": self.time, "step_sizes": self.step_sizes}
-        arrays |= {f"column_{i}": values for i, values in enumerate(self.columns.values())}
-        arrays |= {f"one_way_{i}": values for i, values in enumerate(self.one_way.values())}
-        text = json.dumps(_plain(metadata, finite=False))
-        with atomic_write(path) as stream:
-            np.savez(stream, metadata=np.frombuffer(text.encode(), np.uint8), **arrays)
+        arrays = {"time": self.time, "step_sizes": self.step_sizes}
+        series = {"columns": self.columns, "one_way": self.one_way}
+        write_npz(path, _plain(self._metadata(), finite=False), arrays, series)
 
     @classmethod
     def load_npz(cls, path: str | os.PathLike[str]) -> Result:
         """Result written by `save_npz`. Raises TowageError if ``path`` is not one."""
         try:
-            if not zipfile.is_zipfile(path):
-                with open(path, "rb"):  # a missing file is an OSError
-                    raise ValueError("it is not an npz archive")
-            with np.load(path, allow_pickle=False) as store:
-                metadata = json.loads(store["metadata"].tobytes())
-                if metadata.pop("format") > _FORMAT:
-                    raise ValueError("it was written by a newer version")
-                for kind, prefix in (("columns", "column"), ("one_way", "one_way")):
-                    names = metadata.pop(f"{prefix}_names")
-                    metadata[kind] = {name: store[f"{prefix}_{i}"] for i, name in enumerate(names)}
-                metadata["time"], metadata["step_sizes"] = store["time"], store["step_sizes"]
-            for kind, record in (("events", Event), ("checks", Check), ("margins", Margin)):
-                metadata[kind] = [record(**values) for values in metadata[kind]]
-            metadata["verdict"] = Verdict(**metadata["verdict"])
-            metadata["comparison"] = metadata["comparison"] and Comparison(**metadata["comparison"])
-            return cls(**metadata)
-        except OSError as error:
-            raise TowageError(f"cannot read {os.fspath(path)}: {error.strerror or error}") from error
+            values: dict[str, Any] = read_npz(path)
+            for kind, record in (("events", Event), ("checks", Finding), ("margins", Margin)):
+                values[kind] = [record(**each) for each in values[kind]]
+            values["verdict"] = Verdict(**values["verdict"])
+            values["comparison"] = values["comparison"] and Comparison(**values["comparison"])
+            return cls(**values)
         except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             raise TowageError(f"{os.fspath(path)} is not a result of towage: {error}") from error
 
     def save_csv(self, path: str | os.PathLike[str]) -> None:
         """Header ``name [unit]``, one row a sample, shortest digits that read back exactly; UTF-8. Columns of the
         one-way run are called ``one_way:name``."""
-        columns = {"time": self.time, **self.columns}
-        columns |= {f"one_way:{name}": values for name, values in self.one_way.items()}
-        units = {"time": "s", **self.units, **{f"one_way:{name}": self.units.get(name, "") for name in self.one_way}}
-        with atomic_write(path) as stream:
-            writer = csv.writer(codecs.getwriter("utf-8")(stream, "backslashreplace"), lineterminator="\n")
-            writer.writerow([f"{name} [{units.get(name) or '-'}]" for name in columns])
-            writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+        write_csv(path, *self.series())
 
     def save_mat(self, path: str | os.PathLike[str]) -> None:
         """MAT 5: column vectors under valid MATLAB names (``line.tension`` becomes ``line_tension``), and the cell
-        array ``variables`` with rows {MATLAB name, name, unit}."""
-        from scipy.io import savemat  # type: ignore[import-untyped, unused-ignore]
+        array ``variables`` with rows {MATLAB name, name, unit}. Columns of the one-way run are called ``one_way_name``."""
+        write_mat(path, *self.series("one_way."))
 
-        series = {"time": self.time, **self.columns}
-        series |= {f"one_way.{name}": values for name, values in self.one_way.items()}
-        units = {"time": "s", **self.units, **{f"one_way.{name}": self.units.get(name, "") for name in self.one_way}}
-        content: dict[str, Array] = {"variables": np.empty((len(series), 3), dtype=object)}
-        for row, (name, values) in enumerate(series.items()):
-            matlab = _matlab_name(name, content)
-            content[matlab] = values
-            content["variables"][row] = matlab, name, units.get(name) or "-"
-        with atomic_write(path) as stream:
-            savemat(stream, content, oned_as="column")
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A pandas table indexed by ``time`` (s), a column a variable (SI), those of the one-way run as ``one_way:name``;
+        ``attrs["units"]`` has their units of measure. Raises TowageError without pandas."""
+        return frames.dataframe(*self.series(), self.about())
+
+    def to_xarray(self) -> xarray.Dataset:
+        """An xarray Dataset over ``time`` (s), a variable a column (SI) with attribute ``units``, those of the one-way
+        run as ``one_way:name``. Raises TowageError without xarray."""
+        return frames.dataset(*self.series(), self.about())
+
+    def plot(self, *names: str) -> Figure:
+        """A matplotlib figure of the columns ``names`` (default: all that are no margins and no rates) over time, one
+        panel a unit of measure; the one-way run is dashed. Raises KeyError for an unknown column."""
+        chosen = {name: self[name] for name in names or show.usual(self.columns)}
+        one_way = {name: values for name, values in self.one_way.items() if name in chosen}
+        return show.figure(self.time, chosen, one_way, self.units)
+
+    def about(self) -> dict[str, str]:
+        """What the result is of: title, case, scheme, status, verdict and why."""
+        word = "failed" if self.status == "failed" else self.verdict.word
+        reason = self.message or self.verdict.reason
+        return {"title": self.title, "case": self.case, "scheme": self.scheme, "verdict": word, "reason": reason}
+
+    def __repr__(self) -> str:
+        """One line: what was run, how it ended, how much is recorded."""
+        about = self.about()
+        name = ", ".join(text for text in (about["title"], about["case"]) if text)
+        end = f" to t = {self.time[-1]:.6g} s" if len(self.time) else ""
+        return f"<Result of {name!r}: {about['verdict']}; {len(self.columns)} variables, {len(self.time)} samples{end}>"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the verdict and the plots."""
+        return show.html(self.about(), self.plot() if len(self.time) else None)
 
     def _metadata(self) -> dict[str, Any]:
         arrays = ("time", "columns", "one_way", "step_sizes")
@@ -259,16 +203,3 @@ def _extremes(time: Array, values: Array) -> dict[str, float | None]:
     low, high = known[np.argmin(values[known])], known[np.argmax(values[known])]
     picked = (values[low], time[low], values[high], time[high], values[-1])
     return dict(zip(("min", "min_time", "max", "max_time", "last"), map(float, picked), strict=True))
-
-
-def _matlab_name(name: str, taken: Mapping[str, Any]) -> str:
-    """Letters, digits and underscores, a letter first, no keyword, at most 63 characters, not in ``taken``."""
-    keywords = "break case catch classdef continue else elseif end for function global if otherwise parfor persistent"
-    base = re.sub(r"[^A-Za-z0-9_]", "_", name)
-    if not base[:1].isalpha() or base in f"{keywords} return spmd switch try while".split():
-        base = f"v_{base}"
-    candidate, count = base[:_MATLAB_NAME], 1
-    while candidate in taken:
-        count += 1
-        candidate = f"{base[: _MATLAB_NAME - len(str(count)) - 1]}_{count}"
-    return candidate

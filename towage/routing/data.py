@@ -41,13 +41,15 @@ def read(
     departure: datetime.datetime | None, names: dict[str, str],
 ) -> tuple[GridField, Cells | None]:
     """The field on the plane, with time 0 at ``departure`` (None: the first time in the file), and the area without
-    data. ``names`` overrides the variables' names. Raises `SceneError`."""
+    data. ``start`` and ``end``: m on the plane. ``names``: of variables, by the keys of `NAMES`, in place of the usual ones.
+    Raises `SceneError` for a file that cannot be read or lacks a variable."""
     unknown = sorted(set(names) - set(NAMES))
     if unknown:
         raise SceneError(f"unknown {unknown[0]!r}; expected one of: {', '.join(NAMES)}", file=path, key="variables")
     content = _variables(path)
 
     def find(what: str, needed: bool = True) -> tuple[Array, str] | None:
+        """(values, unit of measure) of the variable for ``what``; None where there is none and none is ``needed``."""
         for name in (names[what],) if what in names else NAMES[what]:
             if name in content:
                 return content[name]
@@ -117,7 +119,7 @@ def _variables(path: Path) -> dict[str, tuple[Array, str]]:
             classic = stream.read(3) == b"CDF"
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", file=path) from error
-    found: dict[str, tuple[Array, str]] = {}
+    variables: dict[str, tuple[Array, str]] = {}
     if classic:
         from scipy.io import netcdf_file
 
@@ -126,10 +128,10 @@ def _variables(path: Path) -> dict[str, tuple[Array, str]]:
                 for name, variable in content.variables.items():
                     unit: object = getattr(variable, "units", b"")
                     values: Array = np.ma.filled(np.ma.asarray(variable[:], dtype=float), math.nan)
-                    found[name] = values, unit.decode() if isinstance(unit, bytes) else str(unit)
+                    variables[name] = values, unit.decode() if isinstance(unit, bytes) else str(unit)
         except (ValueError, TypeError, IndexError, OSError) as error:
             raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
-        return found
+        return variables
     try:
         import xarray  # type: ignore[import-not-found,unused-ignore]
     except ImportError:
@@ -138,10 +140,10 @@ def _variables(path: Path) -> dict[str, tuple[Array, str]]:
         with xarray.open_dataset(path, decode_times=False) as data:
             for name, column in data.variables.items():
                 if np.issubdtype(column.dtype, np.number):
-                    found[str(name)] = np.asarray(column, dtype=float), str(column.attrs.get("units", ""))
+                    variables[str(name)] = np.asarray(column, dtype=float), str(column.attrs.get("units", ""))
     except (ValueError, OSError) as error:
         raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
-    return found
+    return variables
 
 
 def _seconds(values: Array, unit: str, departure: datetime.datetime | None, path: Path) -> Array:

@@ -14,15 +14,12 @@ clockwise from north. Every fault is a `SceneError` that names file and key.
 from __future__ import annotations
 
 import datetime
-import difflib
 import math
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-from towage.errors import SceneError
 from towage.fmus.declare.quantities import QuantityError, parse_quantity
 from towage.models.route.areas import Area, Disc, Polygon
 from towage.models.route.fields import Field, StormField, UniformField
@@ -30,6 +27,7 @@ from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
 from towage.models.route.plan import Problem
 from towage.models.route.polar import ConstantPolar, JamesPolar, Polar, TablePolar
+from towage.scene.tables import Tables, find_file, read_toml
 
 SHIPPED = Path(__file__).parents[1] / "routes"
 KEYS = {
@@ -56,41 +54,32 @@ class RouteFile:
 
 def load(given: str | Path) -> RouteFile:
     """The route of a file, or of a shipped name. Raises `SceneError`."""
-    path = Path(given)
-    if not path.is_file() and (SHIPPED / f"{path.name}.toml").is_file() and path.name == str(path):
-        path = SHIPPED / f"{path.name}.toml"
-    try:
-        data = tomllib.loads(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        names = ", ".join(sorted(p.stem for p in SHIPPED.glob("*.toml")))
-        raise SceneError(f"cannot be read: {error}; shipped routes: {names}", file=path) from error
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"is not valid TOML: {error}", file=path) from error
+    path = find_file(given, (SHIPPED,), "route")
+    _, data = read_toml(path)
     return _Reader(path).route(data)
 
 
-class _Reader:
+class _Reader(Tables):
+    """Reads the tables of a route file."""
+
     def __init__(self, path: Path) -> None:
-        self.path = path
+        super().__init__(path)
+        self.given = path
 
-    def fail(self, message: str, key: str) -> NoReturn:
-        raise SceneError(message, file=self.path, key=key)
+    def part(self, data: dict[str, Any], key: str, needed: bool = True) -> dict[str, Any]:
+        """The table ``key``, with no unknown keys; empty if it is missing and not ``needed``."""
+        name = key.rpartition(".")[2]
+        if needed and name not in data:
+            self.fail("this table is missing", key)
+        return self.known(data.get(name, {}), key)
 
-    def table(self, data: dict[str, Any], key: str, needed: bool = True) -> dict[str, Any]:
-        """The table ``key``, with no unknown keys."""
-        value = data.get(key.rpartition(".")[2], None if needed else {})
-        if not isinstance(value, dict):
-            self.fail("expected a table" if value is not None else "this table is missing", key)
-        return self.known(value, key)
-
-    def known(self, value: dict[str, Any], key: str) -> dict[str, Any]:
+    def known(self, value: object, key: str) -> dict[str, Any]:
         """The table itself, if it has no unknown keys."""
-        for name in value:
+        table = self.table(value, key)
+        for name in table:
             if name not in KEYS[key]:
-                close = difflib.get_close_matches(name, KEYS[key], n=1)
-                hint = f"did you mean {close[0]!r}?" if close else f"expected one of: {', '.join(KEYS[key])}"
-                self.fail(f"unknown key; {hint}", f"{key}.{name}".strip("."))
-        return value
+                self.unknown(name, KEYS[key], key)
+        return table
 
     def number(self, table: dict[str, Any], key: str, unit: str, default: float | None = None) -> float:
         """A number, in ``unit`` if it is a text with a unit."""
@@ -127,9 +116,10 @@ class _Reader:
         return str(value)
 
     def route(self, data: dict[str, Any]) -> RouteFile:
+        """What the whole file says."""
         self.known(data, "")
-        route, ship, sea = (self.table(data, key) for key in ("route", "ship", "sea"))
-        kind = self.choice(self.table(data, "map", needed=False), "map.kind", ("flat", "sphere"), "flat")
+        route, ship, sea = (self.part(data, key) for key in ("route", "ship", "sea"))
+        kind = self.choice(self.part(data, "map", needed=False), "map.kind", ("flat", "sphere"), "flat")
         method = self.choice(route, "route.method", ("safeguarded", "seed", "graph"), "safeguarded")
         plane: RouteMap = FlatMap()
         if kind == "sphere":
@@ -141,7 +131,7 @@ class _Reader:
         if no_data is not None:
             areas.append(no_data)
         problem = Problem(Medium(plane, field, self.polar(ship)), start, end, tuple(areas))
-        return RouteFile(str(data.get("title", self.path.stem)), problem, method, self.path)
+        return RouteFile(str(data.get("title", self.given.stem)), problem, method, self.given)
 
     def sphere(
         self, data: dict[str, Any], route: dict[str, Any]
@@ -153,7 +143,7 @@ class _Reader:
             if abs(latitude) > 0.5 * math.pi + 1e-12:
                 self.fail(f"latitude {latitude:g} rad: expected -90 deg to 90 deg ('35 deg')", f"route.{name}")
             ends.append((latitude, longitude))
-        radius = self.number(self.table(data, "map", needed=False), "map.radius", "m", 6371.2e3)
+        radius = self.number(self.part(data, "map", needed=False), "map.radius", "m", 6371.2e3)
         plane = StereographicMap(radius, south=ends[0][0] + ends[1][0] < 0.0)
         points = [tuple(float(v) for v in plane.to_plane(*end)) for end in ends]
         return plane, (points[0][0], points[0][1]), (points[1][0], points[1][1])
@@ -170,7 +160,7 @@ class _Reader:
             if speed <= 0.0:
                 self.fail(f"{speed} m/s: expected more than 0", "ship.speed")
             return ConstantPolar(speed)
-        table = self.table(ship, "ship.table")
+        table = self.part(ship, "ship.table")
         lists = {}
         for name, unit in (("heights", "m"), ("angles", "rad")):
             values = table.get(name)
@@ -213,7 +203,7 @@ class _Reader:
             self.fail("expected the path of a netCDF file, relative to this one", "sea.file")
         if departure is not None and not isinstance(departure, datetime.datetime):
             self.fail(f"expected a date and time, got {departure!r}", "route.departure")
-        return read(self.path.parent / sea["file"], plane, start, end, departure, sea.get("variables", {}))
+        return read(self.given.parent / sea["file"], plane, start, end, departure, sea.get("variables", {}))
 
     def areas(self, data: dict[str, Any], plane: RouteMap) -> Iterable[Area]:
         """Forbidden areas on the plane; corners as ``start`` is given."""

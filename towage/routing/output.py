@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from towage.files import atomic_write
 from towage.models.route import voyage
 from towage.models.route.maps import StereographicMap
 from towage.models.route.plan import Plan, Problem, Route
 from towage.models.sea.waves import peak_frequency
-from towage.process.files import atomic_write
+from towage.report.svg import save_figure
 
 Array = NDArray[np.float64]
 MILE, KNOT, HOUR = 1852.0, 1852.0 / 3600.0, 3600.0
@@ -29,7 +30,8 @@ CALM = 0.1
 
 @dataclass(frozen=True)
 class Voyage:
-    """Columns (n,) of one length."""
+    """What the ship meets, columns of shape (n,): time, s; place on the plane of the map, m; heading and wave direction, rad;
+    speed, m/s; wave height, m, and period, s."""
 
     time: Array
     x: Array
@@ -92,13 +94,13 @@ def write_csv(path: Path, problem: Problem, route: Route, count: int = 101) -> N
 
 
 def unit_parameters(problem: Problem, route: Route) -> dict[str, float]:
-    """Parameters of the unit `voyage` for a route."""
+    """Parameters of the unit `voyage` for a route, SI."""
     v = voyage_table(problem, route, voyage.POINTS)
     horizon = problem.medium.field.horizon
-    found = {"duration": route.duration, "horizon": horizon if math.isfinite(horizon) else 0.0}
+    parameters = {"duration": route.duration, "horizon": horizon if math.isfinite(horizon) else 0.0}
     for column in voyage.COLUMNS:
-        found |= {f"{column}_{k}": float(f"{value:.7g}") for k, value in enumerate(getattr(v, column))}
-    return found
+        parameters |= {f"{column}_{k}": float(f"{value:.7g}") for k, value in enumerate(getattr(v, column))}
+    return parameters
 
 
 def parameters_text(values: dict[str, float], prefix: str = "") -> str:
@@ -159,6 +161,4 @@ def draw(path: Path, title: str, problem: Problem, plan: Plan, hours: Sequence[f
         axes.set_xlabel("nmi")
         if k == 0:
             axes.legend(fontsize=7, loc="best")
-    kind = path.suffix.lstrip(".").lower() or "svg"
-    with atomic_write(path) as stream:
-        figure.savefig(stream, format=kind)
+    save_figure(figure, path)

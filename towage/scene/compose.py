@@ -5,25 +5,21 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import msgspec
-
 from towage.errors import SceneError
 from towage.fmus import UNITS
 from towage.fmus.declare.scene_unit import Part
 from towage.fmus.declare.scene_unit import scene_unit as declared
 from towage.fmus.declare.unit import Unit, load
 from towage.models.compose.plan import CompositionError, Connection
-from towage.scene.resolve import ResolvedScene
-from towage.scene.scene import Scene
+from towage.scene.resolve import ResolvedScene, described
+from towage.scene.select import select
 from towage.units.store import locator
 
 
 def scene_unit(path_or_name: str | Path, case: str | None = None) -> Unit:
     """The scene of a file, or a shipped one, as a unit; ``case`` sets the start values of its parameters. Raises
     `SceneError`, also for a scene that cannot be composed."""
-    scene = Scene.load(path_or_name)
-    chosen = msgspec.structs.replace(scene.case(case) if case else scene, cases=())
-    return unit_of(chosen.resolve(locator()), Path(path_or_name).stem)
+    return unit_of(described(select(path_or_name, case), locator()), Path(path_or_name).stem)
 
 
 def unit_of(resolved: ResolvedScene, name: str) -> Unit:

@@ -1,6 +1,7 @@
 """Which FMU every unit of a scene gets: its Python flavour, a native one, or the file that the scene names.
 
-A scene is checked against the declarations of its units, which both flavours share; then the FMUs are chosen. Sizes of a
+`resolve` is the way from a scene to what runs: the scene is checked against the descriptions of its units, which both
+flavours share; then the FMUs are chosen. Sizes of a
 native FMU are fixed when it is built (``Size`` of its model), so that a scene, and each of its cases, decides not only
 whether there is one but which. ``segments = 0``, as many as the tolerance needs, is decided by the Python model here.
 """
@@ -13,10 +14,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Literal, get_args
 
-import msgspec
+from msgspec.structs import replace
 
 from towage.errors import FmuError
-from towage.scene.resolve import ResolvedScene, ResolvedUnit
+from towage.registry import UNITS
+from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
 from towage.units.archive import read_description
 from towage.units.description import Description
@@ -31,19 +33,26 @@ Say = Callable[[str], None]
 def resolve(
     scene: Scene, fmus: Path | None = None, flavour: Flavour = "auto", say: Say = lambda text: None
 ) -> ResolvedScene:
-    """The scene with its FMUs, shipped units from ``fmus`` or the cache.
+    """The scene of one case with its FMUs and those of the other runs that its checks ask for, shipped units from ``fmus``
+    or the cache.
 
     ``auto``: native where an FMU of the wanted structure is present; ``native``: built where it is not, which takes
-    seconds and is told to ``say`` before. Raises what `Scene.resolve` raises, and `FmuError` where a wanted FMU cannot be
+    seconds and is told to ``say`` before. Raises what `described` raises, and `FmuError` where a wanted FMU cannot be
     had."""
-    resolved = scene.resolve(locator(fmus))
+    choose = functools.partial(_with_flavours, fmus=fmus, flavour=flavour, say=say)
+    resolved = choose(described(scene, locator(fmus)))
+    variants = tuple(replace(v, scene=v.scene and choose(v.scene)) for v in resolved.variants)
+    return replace(resolved, variants=variants)
+
+
+def _with_flavours(resolved: ResolvedScene, fmus: Path | None, flavour: Flavour, say: Say) -> ResolvedScene:
     units = {}
     for name, unit in resolved.units.items():
-        shipped = scene.units[name].fmu
+        shipped = resolved.scene.units[name].fmu
         if not shipped.endswith(".fmu"):
             unit = _chosen(unit, shipped, fmus, flavour, say)
-        units[name] = msgspec.structs.replace(unit, flavour=flavour_of(unit.description))
-    return msgspec.structs.replace(resolved, units=units)
+        units[name] = replace(unit, flavour=flavour_of(unit.description))
+    return replace(resolved, units=units)
 
 
 def flavour_of(description: Description) -> str:
@@ -60,7 +69,7 @@ def _chosen(unit: ResolvedUnit, shipped: str, fmus: Path | None, flavour: Flavou
     given = flavour_of(unit.description)
     if flavour == "python" and given != "python":
         raise FmuError(f"is {given}, and the flavour python is asked for", file=unit.path)
-    if flavour == "python" or given != "python" or load(shipped).not_native:
+    if flavour == "python" or given != "python" or shipped not in UNITS.own or load(shipped).not_native:
         return unit
     beside = fmus / "native" / f"{shipped}.fmu" if fmus else None
     if flavour == "auto" and not (beside and beside.is_file()) and not _cached(shipped):
@@ -99,8 +108,8 @@ def _with(unit: ResolvedUnit, description: Description, structure: Structure) ->
 
 
 def _structure(unit: ResolvedUnit, shipped: str) -> Structure | None:
-    """Values of the structural parameters that the scene's values ask for. None where the model refuses these values,
-    which the unit then says."""
+    """Values of the structural parameters that the scene's values ask for. None where the model refuses these values: the
+    Python flavour is then taken, which tells why when it starts."""
     from towage.fmus.declare.unit import load
 
     declared = load(shipped)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 AHEAD = 3
 """Runs handed out for each thread of the cluster: one is done, the others hide the way there."""
 TRIES = 3
-"""Times that a run is handed out which the scheduler gives up because its dask workers died."""
+"""Times that a run is handed out again because its dask workers died."""
 ANSWER = 10.0
 """Longest wait for the scheduler, s."""
 _local = threading.local()
@@ -34,8 +34,8 @@ _workers: dict[str, list[Worker]] = {}
 
 
 def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[Row | None]:
-    """As `run_here`, on the cluster whose scheduler is at ``address``. Raises `TowageError` without a cluster, and where
-    a run was lost over and over."""
+    """As `run_here`, on the cluster whose scheduler is at ``address``. Raises `TowageError` without a cluster, and for a
+    run that was lost `TRIES` times."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
@@ -49,6 +49,7 @@ def run_on_dask(setup: Setup, tasks: Sequence[Task], address: str) -> Iterator[R
     ended = queue.SimpleQueue[Any]()
 
     def hand_out(task: Task) -> None:
+        """Give a run to the scheduler, under a key of its own."""
         tries[task.index] = tries.get(task.index, 0) + 1
         key = f"towage-{sweep}-{task.index}-{tries[task.index]}"
         future = client.submit(work, sweep, shared, task, pure=False, key=key)

@@ -8,25 +8,28 @@ Source of the sequence: S. Joe and F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008), as
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import math
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from towage.errors import SceneError
-from towage.scene.scene import Case, Scene
+from towage.scene.resolve import described
+from towage.scene.scene import Scene
 from towage.units.store import locator
 
 Array = NDArray[np.float64]
 MOST = 1_000_000
 """Runs of a sweep: a mistyped count should be told, not begun."""
-_NAME = "--vary"
+VARY = "--vary"
+"""The key of faults in what is varied: the option of ``towage sweep``."""
 _TIMES = ("stop_time", "coupling.step", "record.interval", "checks.sdof.settle", "checks.simpler.settle")
 
 
@@ -44,7 +47,8 @@ class Vary:
 class Design:
     """Points of a sweep: ``points`` of shape (runs, targets), each column in the unit of measure ``units`` that its
     variable declares (SI for the shipped units). ``shape``: values along each target of a grid, () for a sequence.
-    ``text`` is how it was asked for."""
+    ``whole``: whether a target takes whole numbers only. ``text``: the ranges
+    as they were written."""
 
     targets: tuple[str, ...]
     units: tuple[str, ...]
@@ -54,12 +58,12 @@ class Design:
     text: str
 
     def values(self, index: int) -> dict[str, float | int]:
-        """What one run sets."""
+        """What run ``index`` sets, by target, in the unit of its variable."""
         point = self.points[index].tolist()
         return {t: int(v) if whole else v for t, v, whole in zip(self.targets, point, self.whole)}
 
     def digest(self) -> str:
-        """Of the points, to the last bit."""
+        """A hash of the points, to the last bit."""
         return hashlib.sha256(np.ascontiguousarray(self.points).tobytes()).hexdigest()[:16]
 
 
@@ -77,20 +81,28 @@ def parse_vary(text: str) -> Vary:
         raise SceneError(
             f"{text!r}: expected unit.parameter=FROM:TO:COUNT, or unit.parameter=FROM:TO with --sobol, as in "
             "'ship.heave_amplitude=2 ft:6 ft:9'",
-            key=_NAME,
+            key=VARY,
         ) from None
     if count is not None and count < 2:
-        raise SceneError(f"{text!r}: a range has at least 2 values; a single one is given with --set", key=_NAME)
+        raise SceneError(f"{text!r}: a range has at least 2 values; a single one is given with --set", key=VARY)
     return Vary(target.strip(), parts[0], parts[1], count)
 
 
+def design(
+    scene: Scene, ranges: Sequence[str], samples: int | None = None, seed: int = 0, fmus: Path | None = None
+) -> Design:
+    """`grid`, or with ``samples`` `sobol`. Raises `SceneError`."""
+    return grid(scene, ranges, fmus) if samples is None else sobol(scene, ranges, samples, seed, fmus)
+
+
 def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Design:
-    """All combinations, the first target changing slowest. Raises `SceneError` for a range that does not fit."""
+    """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT"), the first target changing slowest. Raises `SceneError`
+    for a range that does not fit the scene."""
     axes = _axes(scene, ranges, fmus)
     columns = []
     for axis in axes:
         if axis.vary.count is None:
-            raise SceneError(f"{axis.vary.target}: how many values? Write FROM:TO:COUNT, or use --sobol", key=_NAME)
+            raise SceneError(f"{axis.vary.target}: how many values? Write FROM:TO:COUNT, or use --sobol", key=VARY)
         columns.append(_checked(axis, np.linspace(axis.low, axis.high, axis.vary.count)))
     shape = tuple(len(column) for column in columns)
     _refuse_too_many(math.prod(shape))
@@ -109,23 +121,14 @@ def sobol(scene: Scene, ranges: Sequence[str], samples: int, seed: int = 0, fmus
     axes = _axes(scene, ranges, fmus)
     for axis in axes:
         if axis.vary.count is not None:
-            raise SceneError(f"{axis.vary.target}: a sequence takes FROM:TO, without a count", key=_NAME)
+            raise SceneError(f"{axis.vary.target}: a sequence takes FROM:TO, without a count", key=VARY)
         if axis.whole:
-            raise SceneError(f"{axis.vary.target} takes whole numbers: vary it in a grid", key=_NAME)
+            raise SceneError(f"{axis.vary.target} takes whole numbers: vary it in a grid", key=VARY)
     sequence = qmc.Sobol(len(axes), scramble=True, seed=seed)
     unit_cube = sequence.random_base2(max(samples - 1, 0).bit_length())[:samples]
     low, high = np.array([a.low for a in axes]), np.array([a.high for a in axes])
     text = f"sobol {samples}, seed {seed}; " + "; ".join(ranges)
     return _design(axes, low + (high - low) * unit_cube, (), text)
-
-
-def with_values(scene: Scene, values: dict[str, Any], option: str = _NAME) -> Scene:
-    """The scene with ``values`` set; it has no cases and no text. Raises `SceneError` that names ``option``."""
-    try:
-        changed = msgspec.structs.replace(scene, cases=(Case(option, values),)).case(option)
-    except SceneError as error:
-        raise scene.error(str(error.args[0]), option) from None
-    return msgspec.structs.replace(changed, cases=(), source="")
 
 
 class _Axis(NamedTuple):
@@ -139,10 +142,10 @@ class _Axis(NamedTuple):
 def _axes(scene: Scene, ranges: Sequence[str], fmus: Path | None) -> list[_Axis]:
     varied = [parse_vary(text) for text in ranges]
     if not varied:
-        raise SceneError("nothing is varied: give at least one range", key=_NAME)
+        raise SceneError("nothing is varied: give at least one range", key=VARY)
     names = [vary.target for vary in varied]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise SceneError(f"{twice} is varied twice", key=_NAME)
+        raise SceneError(f"{twice} is varied twice", key=VARY)
     return [_axis(scene, vary, fmus) for vary in varied]
 
 
@@ -151,7 +154,7 @@ def _axis(scene: Scene, vary: Vary, fmus: Path | None) -> _Axis:
     ends = [_end(scene, vary.target, text, fmus) for text in (vary.low, vary.high)]
     (low, unit, whole), (high, *_) = ends
     if low == high:
-        raise SceneError(f"{vary.target}: both ends of the range are {low!r}", key=_NAME)
+        raise SceneError(f"{vary.target}: both ends of the range are {low!r}", key=VARY)
     return _Axis(vary, low, high, unit, whole)
 
 
@@ -164,19 +167,18 @@ def _end(scene: Scene, target: str, text: str, fmus: Path | None) -> tuple[float
             break
         except ValueError:
             continue
-    changed = with_values(scene, {target: given})
+    changed = scene.setting({target: given}, VARY)
     head, _, rest = target.partition(".")
+    value: Any
     if head in scene.units:
-        resolved = changed.resolve(locator(fmus)).units[head]
+        resolved = described(changed, locator(fmus)).units[head]
         variable, value = resolved.description.by_name()[rest], resolved.parameters[rest]
         unit, whole = variable.unit or "", variable.type != "Real"
     else:
-        value = msgspec.to_builtins(msgspec.structs.replace(changed, file=None))
-        for key in target.split("."):
-            value = value[key]
+        value = functools.reduce(operator.getitem, target.split("."), changed.to_dict())
         unit, whole = "s" if target in _TIMES else "", False
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise SceneError(f"{target} is no number and cannot be varied over a range", file=scene.file, key=_NAME)
+        raise SceneError(f"{target} is no number and cannot be varied over a range", file=scene.file, key=VARY)
     return float(value), unit, whole
 
 
@@ -185,14 +187,14 @@ def _checked(axis: _Axis, values: Array) -> Array:
         raise SceneError(
             f"{axis.vary.target} takes whole numbers, and {axis.vary.count} values from {axis.low:g} to {axis.high:g} "
             "are not: choose another count",
-            key=_NAME,
+            key=VARY,
         )
     return values
 
 
 def _refuse_too_many(count: int) -> None:
     if count > MOST:
-        raise SceneError(f"{count} runs, more than {MOST}: take fewer values, or --sobol", key=_NAME)
+        raise SceneError(f"{count} runs, more than {MOST}: take fewer values, or --sobol", key=VARY)
 
 
 def _design(axes: Sequence[_Axis], points: Array, shape: tuple[int, ...], text: str) -> Design:

@@ -1,9 +1,8 @@
 """The points of a sweep as members of one ensemble: thousands a second in compiled code, for scenes that compose.
 
-    from towage.sweep_ensemble import by_ensemble
+    from towage.sweeps.sweep import sweep
 
-    sweep = Sweep(scene, grid(scene, ["ship.heave_amplitude=2 ft:6 ft:10001"]))
-    table = by_ensemble(scene, sweep.design, sweep.measures())
+    table = sweep("slack", "ship.heave_amplitude=2 ft:6 ft:10001", engine="ensemble")
 
 The table has the columns of `row` that an ensemble can give: extremes and margins. It has no comparison with a second
 run, and so no SDOF verdict; no counts of events, attractors or estimates of the coupling error. Differences from runs of
@@ -16,6 +15,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from towage.checks.margins import item_of
 from towage.checks.verdict import verdict
 from towage.ensemble.ensemble import Members, measures
 from towage.errors import SceneError
@@ -25,8 +25,6 @@ from towage.scene.scene import Scene
 from towage.sweeps.design import Array, Design
 from towage.sweeps.table import Table
 
-SAMPLE = 3
-"""Members that are computed again by default: each costs what a run does."""
 _MARGIN = "margin:"
 
 
@@ -34,7 +32,7 @@ def by_ensemble(
     scene: Scene,
     design: Design,
     units: Mapping[str, str],
-    sample: int = SAMPLE,
+    sample: int,
     seed: int = 0,
     threads: int | None = None,
 ) -> Table:
@@ -49,9 +47,8 @@ def by_ensemble(
             f"{foreign} is of the master, which an ensemble does without: vary parameters of units, or take --engine runs",
             file=scene.file, key="--vary",
         )  # fmt: skip
-    options = {"samples": sample, "seed": seed} | ({"threads": threads} if threads else {})
     try:
-        columns, members = measures(scene, design.targets, design.points, **options)
+        columns, members = measures(scene, design.targets, design.points, sample, seed, threads)
     except BuildError as error:
         raise SceneError(f"{error}; or take --engine runs", file=scene.file, key="--engine ensemble") from error
     status = tuple(
@@ -66,21 +63,21 @@ def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int
     made."""
     if members.message[k]:
         return "not judged", members.message[k]
-    found = [
+    margins = [
         Margin(name, float(values[k]), np.nan, name not in scene.checks.report_only)
         for name, values in ((name.removeprefix(_MARGIN), v) for name, v in columns.items() if name.startswith(_MARGIN))
     ]
-    judged = verdict(None, found)
+    judged = verdict([item_of(margins)])
     if judged.word == "invalid":
-        return judged.word, f"{min((m for m in found if m.decides), key=lambda m: m.worst).variable} is negative"
+        return judged.word, f"{min((m for m in margins if m.decides), key=lambda m: m.worst).variable} is negative"
     if _left_out(scene):
         return "not judged", "no margin that decides is negative; the comparison needs a second run"
     return judged.word, judged.reason
 
 
 def _left_out(scene: Scene) -> str:
-    checks = {"SDOF comparison": scene.checks.sdof, "comparison with the simpler model": scene.checks.simpler}
-    return " and the ".join(name for name, check in checks.items() if check)
+    checks = {"SDOF comparison": "sdof", "comparison with the simpler model": "simpler"}
+    return " and the ".join(name for name, check in checks.items() if scene.checks.get(check))
 
 
 def _note(scene: Scene, members: Members) -> str:

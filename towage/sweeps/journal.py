@@ -61,17 +61,17 @@ class Journal:
         if torn:
             self._file.truncate(len(whole) + 1 if whole else 0)
         lines = whole.split(b"\n") if whole else []
-        found = [self._parsed(line, number) for number, line in enumerate(lines, 1)]
-        if not found:
+        parsed = [self._parsed(line, number) for number, line in enumerate(lines, 1)]
+        if not parsed:
             self._write({"sweep": identity})
             return
-        self._compare(found[0].get("sweep"), identity)
-        for number, fields in enumerate(found[1:], 2):
+        self._compare(parsed[0].get("sweep"), identity)
+        for number, fields in enumerate(parsed[1:], 2):
             try:
                 row = Row(**fields)
             except TypeError:
                 raise self._damaged(number) from None
-            if row.status != "defect":  # of towage, which may be mended: done again
+            if row.status != "defect":  # of towage: done again, since it may be corrected by now
                 self.rows.setdefault(row.index, row)
 
     def _parsed(self, line: bytes, number: int) -> dict[str, Any]:
@@ -116,7 +116,7 @@ class Journal:
             raise TowageError(f"cannot write {self.path}: the disk is full; continue with --resume")
 
     def sync(self) -> None:
-        """Hand lines to the disk, if the last time is long ago."""
+        """Hand lines to the disk, if that was last done more than `SYNC` seconds ago."""
         if clock.monotonic() - self._synced > SYNC:
             os.fsync(self._file.fileno())
             self._synced = clock.monotonic()

@@ -24,8 +24,9 @@ _COMPARISON = ("rms", "amplitude", "phase", "peak_tension", "indicator", "bound"
 @dataclass(frozen=True)
 class Row:
     """One run. ``status``: done; failed (a unit said so, or a value was not finite); refused (the values do not fit the
-    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``note`` is for people: the
-    stack, what was printed; it goes to the journal only, because no two crashes need leave the same."""
+    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``measures``: numbers
+    by the names above, in the units of their variables. ``note``: the stack or what was printed, for a reader; it goes to
+    the journal only, because two crashes of one run need not print the same."""
 
     index: int
     status: Status
@@ -43,27 +44,27 @@ def row(index: int, result: Result, resolved: ResolvedScene) -> Row:
 
 
 def _measures(result: Result, resolved: ResolvedScene) -> dict[str, float]:
-    found: dict[str, float | None] = {}
+    measures: dict[str, float | None] = {}
     if result.comparison:
-        found |= {f"sdof:{name}": vars(result.comparison)[name] for name in _COMPARISON}
+        measures |= {f"sdof:{name}": vars(result.comparison)[name] for name in _COMPARISON}
     if worst := result.worst_margin():
-        found["worst_margin"] = worst.worst
-    found |= {f"margin:{margin.variable}": margin.worst for margin in result.margins}
+        measures["worst_margin"] = worst.worst
+    measures |= {f"margin:{margin.variable}": margin.worst for margin in result.margins}
     margins = {margin.variable for margin in result.margins}
     for name, values in result.columns.items():
         if name not in margins and np.isfinite(values).any():
-            found[f"min:{name}"], found[f"max:{name}"] = float(np.nanmin(values)), float(np.nanmax(values))
-    found |= {f"events:{name}": float(n) for name, n in Counter(f"{e.unit}.{e.name}" for e in result.events).items()}
+            measures[f"min:{name}"], measures[f"max:{name}"] = float(np.nanmin(values)), float(np.nanmax(values))
+    measures |= {f"events:{name}": float(n) for name, n in Counter(f"{e.unit}.{e.name}" for e in result.events).items()}
     if error := result.worst_coupling_error():
-        found["coupling_error"] = error[1]
-    found["attractor"] = _attractor(result, resolved)
-    return {name: float(value) for name, value in found.items() if value is not None}
+        measures["coupling_error"] = error[1]
+    measures["attractor"] = _attractor(result, resolved)
+    return {name: float(value) for name, value in measures.items() if value is not None}
 
 
 def _attractor(result: Result, resolved: ResolvedScene) -> float | None:
     """Periods after which the motion of the SDOF check repeats; None where the scene has no such check, or its driver no
     parameter ``heave_period``."""
-    check = resolved.scene.checks.sdof
+    check = resolved.scene.checks.get("sdof")
     if not check or check.motion not in result.columns:
         return None
     driver = resolved.units[check.driver.partition(".")[0]]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.process.files import atomic_write
+from towage.files import atomic_write
 from towage.sweeps.design import Design
 from towage.sweeps.row import Row
 
@@ -23,9 +23,9 @@ _EVENTS = "events:"
 
 @dataclass(frozen=True)
 class Table:
-    """``status``, ``verdict`` and ``message`` of every run, and ``measures``: name to values, NaN where a run has none
-    (events: 0 in a run that was done without any). ``units``: unit of measure of each. ``note``: what a reader should know
-    of how the numbers were made."""
+    """``status``, ``verdict`` and ``message`` of every run, and ``measures``: name to values, shape (runs,), NaN where a run
+    has none (events: 0 in a run that was done without any). ``units``: unit of measure of each. ``note``: how the numbers
+    were made, where that matters to a reader."""
 
     title: str
     design: Design
@@ -67,7 +67,7 @@ class Table:
 
     @property
     def done(self) -> NDArray[np.bool_]:
-        """Which runs came to their end."""
+        """Which runs came to their end, shape (runs,)."""
         return np.array([status == "done" for status in self.status])
 
     def save_npz(self, path: Path) -> None:

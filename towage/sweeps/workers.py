@@ -1,8 +1,8 @@
 """Supervised workers of a sweep: processes that do run after run, and are replaced when one of these ends them.
 
 A crash, an exit or a hang costs its run and the process. A run that dies in a process that has done others is done once
-more in a fresh one, so that no run answers for what an earlier one broke, and a row does not depend on who was the
-neighbour of whom. The child is this module's `main`; the parent never loads a unit.
+more in a fresh one, so that a row never depends on the runs that were done before it in the same process.
+The child is this module's `main`; the parent never loads a unit.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Setup(NamedTuple):
 
 
 def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]:
-    """Of the FMU of every unit."""
+    """A hash of the FMU of every unit, by the unit's name."""
     from towage.scene.flavour import resolve
 
     units = resolve(scene, fmus, flavour).units
@@ -60,7 +60,7 @@ def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a sweep."""
+    """One run of a sweep: its index, and what it sets."""
 
     index: int
     values: dict[str, float | int]
@@ -101,7 +101,7 @@ class Worker:
         return Row(**child.ask(pickle.dumps(task), None, self._setup.timeout))
 
     def _start(self) -> Child:
-        """A process that stands ready. Raises `TowageError` if none can be had: no run is to blame for that."""
+        """A process that stands ready. Raises `TowageError` if none gets ready in `TRIES` attempts."""
         said = ""
         for _ in range(TRIES):
             name = self._open.enter_context(tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True))
@@ -145,13 +145,14 @@ class Worker:
 
 
 def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row | None]:
-    """Rows in the order in which runs end, done by ``workers`` processes of this machine; None now and then, so that the
-    caller gets a look in. Closing the iterator ends all processes."""
+    """Rows in the order in which runs end, done by ``workers`` processes of this machine; None every
+    `LOOK` seconds without one, so that the caller can do other work. Closing the iterator ends all processes."""
     left, ended = iter(tasks), 0
     lock, rows = threading.Lock(), queue.SimpleQueue[Any]()
     crew = [Worker(setup) for _ in range(min(workers, len(tasks)))]
 
     def serve(worker: Worker) -> None:
+        """Do runs until none is left; a row, the worker at its end, or an error goes to the queue."""
         try:
             while True:
                 with lock:
@@ -173,16 +174,16 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
             thread.start()
         while ended < len(crew):
             try:
-                found = rows.get(timeout=LOOK)
+                ended_run = rows.get(timeout=LOOK)
             except queue.Empty:
                 yield None
                 continue
-            if isinstance(found, BaseException):
-                raise found
-            if isinstance(found, Worker):
+            if isinstance(ended_run, BaseException):
+                raise ended_run
+            if isinstance(ended_run, Worker):
                 ended += 1
             else:
-                yield found
+                yield ended_run
     finally:
         for worker in crew:
             worker.stop()
@@ -191,11 +192,12 @@ def run_here(setup: Setup, tasks: Sequence[Task], workers: int) -> Iterator[Row 
 
 
 def main() -> None:
-    """The child: does runs as they come, until the parent is gone."""
+    """The child process: does the runs that it is sent, until its parent ends."""
     commands, say = attend()
     requests = queue.SimpleQueue[Any]()
 
     def read() -> None:
+        """Take requests in, and end with the parent."""
         try:
             while True:
                 requests.put(pickle.load(commands))
@@ -208,10 +210,10 @@ def main() -> None:
     setup, directory = requests.get()
     watch(directory)
     mark = Mark(directory / "mark")
-    mark.watch()
     from towage.sweeps import row as sweep_row  # noqa: F401 - what all runs need
 
     def report(share: float, text: str) -> None:
+        """Tell the parent of progress."""
         say({"share": share, "text": text})
 
     now = digests(setup.scene, setup.fmus, setup.flavour)
@@ -222,23 +224,23 @@ def main() -> None:
     say({"ready": True})
     task = requests.get()  # of which nothing is said until its time moves on: units are loaded for the first time
     while True:
-        say(vars(_serve(setup, task, report)))
+        say(vars(_serve(setup, task, mark, report)))
         task = requests.get()
         mark.note(b"", b"", math.nan)
         report(0.0, "initialisation")
 
 
-def _serve(setup: Setup, task: Task, report: Report) -> Row:
+def _serve(setup: Setup, task: Task, mark: Mark, report: Report) -> Row:
     """The row of a run done in this process."""
     import traceback
 
     from towage.master.master import Master
-    from towage.sweeps.design import with_values
+    from towage.sweeps.design import VARY
     from towage.sweeps.row import Row, row
 
     try:
-        scene = with_values(setup.scene, dict(task.values))
-        master = Master(scene, None, setup.fmus, setup.flavour)
+        scene = setup.scene.setting(task.values, VARY)
+        master = Master(scene, None, setup.fmus, setup.flavour, mark.unit)
         return row(task.index, master.run(report), master.resolved)
     except TowageError as error:
         return Row(task.index, "failed" if isinstance(error, RunError) else "refused", message=_without_file(error))

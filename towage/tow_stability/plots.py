@@ -10,9 +10,10 @@ import numpy as np
 
 from towage.models.slender.tracking import Path as ModePath
 from towage.report.plots import BLUE, CYCLE, GREEN, RED
-from towage.tow_stability.stability import RANGES, Array, Row
+from towage.report.svg import save_figure
+from towage.tow_stability.critical import RANGES, Array, Row
 
-STYLE: Any = {"svg.hashsalt": "towage", "svg.fonttype": "path", "font.size": 9.0}
+STYLE: Any = {"svg.fonttype": "path", "font.size": 9.0}
 LARGEST = 150.0
 """|omega| beyond which modes are not drawn: the first five are below."""
 
@@ -50,7 +51,7 @@ def argand_plot(path: Path, title: str, speeds: Array, modes: Sequence[ModePath]
         axes.set_yscale("symlog", linthresh=1.0)
         axes.legend(loc="best", fontsize=8)
         axes.grid(alpha=0.3)
-        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+        save_figure(figure, path)
 
 
 def map_plot(path: Path, title: str, parameter: str, rows: Sequence[Row], u_max: float, speed_scale: float) -> None:
@@ -88,4 +89,4 @@ def map_plot(path: Path, title: str, parameter: str, rows: Sequence[Row], u_max:
         axes.secondary_yaxis("right", functions=scales).set_ylabel("tow speed, m/s")
         axes.legend(loc="best", fontsize=8)
         axes.grid(alpha=0.3)
-        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+        save_figure(figure, path)

@@ -1,63 +1,40 @@
-"""Stability of a towed slender body: its critical tow speeds, and maps of them over a parameter of its design.
+"""Stability of the towed slender bodies of a scene over tow speed.
 
-A map row is computed once and kept in the cache, under a name made of everything it follows from: the body, the range
-of speeds and the text of the models.
+Speeds are dimensionless, u = sqrt(M/EI) U L (`models.slender.coefficients`); `Towed.speed_scale` turns them into m/s.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from towage.errors import SceneError
+from towage.files import atomic_write
 from towage.fmus.slender_body import UNIT
-from towage.models.slender import critical as slender_critical
 from towage.models.slender import prepared as slender_prepared
 from towage.models.slender import setup as slender_setup
 from towage.models.slender.coefficients import Body
-from towage.models.slender.modes import growth_rate, matrices
-from towage.models.slender.tracking import Path as ModePath
-from towage.models.slender.tracking import track
-from towage.process.files import atomic_write
+from towage.models.slender.rigid import neutral_tail_cut, yaw_criterion
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
+from towage.scene.select import select
+from towage.tow_stability.critical import RANGES, Report, Row, argand, default_values, row, stability_map
 from towage.units.description import Value
-from towage.units.store import cache, locator
+from towage.units.store import locator
 
-Array = NDArray[np.float64]
-Report = Callable[[float, str], None]
-FUNCTIONS = 20
-"""Shape functions of the maps: modes to 1e-8 up to u = 12."""
-RANGES: dict[str, tuple[float, float, str]] = {
-    "tail_cut": (0.02, 1.0, "tail cut, - (1 full, towards 0 flat)"),
-    "rope_length": (0.1, 10.0, "rope length / body length"),
-    "slenderness": (20.0, 100.0, "length / diameter"),
-}
-"""Parameters that a map may run over: default range and axis title."""
-
-
-@dataclass(frozen=True)
-class Row:
-    """Critical speeds of one body, in u. ``yaw``: a real exponent passes zero; ``flutter``: (u, omega, whether growth
-    begins above u); ``stable``: intervals (from, to) without a growing mode."""
-
-    value: float
-    yaw: tuple[float, ...]
-    flutter: tuple[tuple[float, float, bool], ...]
-    stable: tuple[tuple[float, float], ...]
+U_MAX = 12.0
+"""Default range of u: 20 shape functions have its modes to 1e-8."""
+POINTS = 41
+"""Default number of rows of a map."""
 
 
 @dataclass(frozen=True)
 class Towed:
-    """A unit `slender.body` of a scene: its name, SI parameters and the dimensionless body."""
+    """A unit `slender_body` of a scene: its name, SI parameters and the dimensionless body."""
 
     name: str
     parameters: slender_setup.Parameters
@@ -75,9 +52,9 @@ class Towed:
 
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
-    """The slender bodies of a scene. Raises `SceneError` if there is none, or if one makes no sense."""
-    resolved = scene.resolve(locator(fmus))
-    found = []
+    """The slender bodies of a scene without cases. Raises `SceneError` if there is none, or if the theory has no such body."""
+    resolved = described(scene, locator(fmus))
+    towed = []
     for name, unit in resolved.units.items():
         if unit.description.model_name != UNIT.name:
             continue
@@ -86,99 +63,126 @@ def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
         p = slender_setup.Parameters(**values)
         if refusal := slender_setup.refusal(p):
             raise scene.error(refusal, f"units.{name}.parameters")
-        found.append(Towed(name, p, slender_setup.body(p)))
-    if not found:
+        towed.append(Towed(name, p, slender_setup.body(p)))
+    if not towed:
         raise SceneError(f"no unit of the scene is a {UNIT.name}", file=scene.file, key="units")
-    return found
+    return towed
 
 
-def varied(body: Body, parameter: str, value: float) -> Body:
-    """``body`` with another tail cut, rope length (over body length) or slenderness; with the latter, the drag
-    coefficients and the ratio of end length to body length stay. Raises ``ValueError`` where there is no such body."""
-    if parameter == "slenderness":
-        ratio = value / body.slenderness
-        return replace(
-            body, slenderness=value, friction=body.friction * ratio, normal_drag=body.normal_drag * ratio
-        )
-    if parameter == "tail_cut":
-        return replace(body, tail_cut=value)
-    if parameter == "rope_length":
-        return replace(body, rope_length=value)
-    raise ValueError(f"no map over {parameter!r}: expected one of {', '.join(RANGES)}")
+@dataclass(frozen=True)
+class Stability:
+    """Of one body: ``limits``, its critical speeds up to ``u_max`` and the stable intervals; ``map``: the same for values
+    of ``parameter``, if a map was asked for."""
 
+    towed: Towed
+    u_max: float
+    limits: Row
+    parameter: str | None = None
+    map: tuple[Row, ...] = ()
 
-def row(body: Body, value: float = 0.0, u_max: float = 12.0, n: int = FUNCTIONS, step: float = 0.05) -> Row:
-    """Critical speeds up to ``u_max`` and the stable intervals between them."""
-    yaw = slender_critical.yaw(body, u_max, n)
-    flutter = slender_critical.oscillatory(body, u_max, n, step)
-    edges = [0.0, *sorted([*yaw, *(c.u for c in flutter)]), u_max]
-    stable: list[tuple[float, float]] = []
-    for low, high in pairwise(edges):
-        if high - low > 1e-9 and growth_rate(body, 0.5 * (low + high), n) < 0.0:
-            joined = stable and stable[-1][1] == low
-            stable[-1:] = [(stable[-1][0], high)] if joined else [*stable[-1:], (low, high)]
-    return Row(value, tuple(yaw), tuple((c.u, c.omega, c.destabilising) for c in flutter), tuple(stable))
+    @property
+    def name(self) -> str:
+        """Of the unit in the scene."""
+        return self.towed.name
 
+    def document(self) -> dict[str, Any]:
+        """Critical speeds and stable intervals, m/s and rad/s, as plain data."""
+        v = self.towed.speed_scale
+        return {
+            "unit": self.name,
+            "speed_scale_m_s": v,
+            "time_scale_s": self.towed.time_scale,
+            "yaw_m_s": [u * v for u in self.limits.yaw],
+            "flutter": [
+                {"tow_speed_m_s": u * v, "omega_rad_s": w / self.towed.time_scale, "growth_above": grows}
+                for u, w, grows in self.limits.flutter
+            ],
+            "stable_m_s": [[a * v, b * v] for a, b in self.limits.stable],
+        }
 
-def default_values(body: Body, parameter: str, points: int) -> list[float]:
-    """``points`` values over the parameter's range; rope lengths in equal ratios, slenderness from where the ends of the
-    body are longer than hemispheres."""
-    low, high, _ = RANGES[parameter]
-    if parameter == "slenderness":
-        low = max(low, 0.51 / body.end_length)
-        high = max(high, 3.0 * low)
-    space = np.geomspace if parameter == "rope_length" else np.linspace
-    return [float(v) for v in space(low, high, points)]
+    def text(self) -> str:
+        """A few lines for a terminal."""
+        v, towed = self.towed.speed_scale, self.towed
+        lines = [f"{self.name}: speeds up to {self.u_max * v:.4g} m/s (u = {self.u_max:g}; u = 1 is {v:.4g} m/s)"]
+        lines += [f"  yaw      {u * v:9.4f} m/s  (u = {u:.6f})" for u in self.limits.yaw]
+        lines += [
+            f"  flutter  {u * v:9.4f} m/s  (u = {u:.6f}), {w / towed.time_scale:.4g} rad/s, "
+            + ("begins" if grows else "ends")
+            for u, w, grows in sorted(self.limits.flutter)
+        ]
+        windows = ", ".join(f"{a * v:.4g} to {b * v:.4g} m/s" for a, b in self.limits.stable) or "at no speed"
+        lines.append(f"  stable   {windows}")
+        if towed.body.theory != "modified_old":
+            neutral = neutral_tail_cut(towed.body)
+            rigid = "does not yaw away" if yaw_criterion(towed.body) > 0.0 else "yaws away at every speed"
+            at = "" if neutral is None else f"; it is neutral with the tail cut at {neutral:.6f}"
+            lines.append(f"  a rigid body of this shape {rigid}{at}")
+        return "\n".join(lines)
 
-
-def stability_map(
-    body: Body, parameter: str, values: Sequence[float], u_max: float = 12.0, report: Report | None = None
-) -> list[Row]:
-    """A row for each value of ``parameter``; ``report`` hears (share done, what). Raises ``ValueError`` where the theory
-    has no such body."""
-    say = report or (lambda share, text: None)
-    rows = []
-    for k, value in enumerate(values):
-        say(k / len(values), f"{parameter} = {value:.4g}")
-        rows.append(_kept(varied(body, parameter, value), float(value), u_max))
-    say(1.0, "done")
-    return rows
-
-
-@lru_cache(maxsize=1)
-def _models() -> str:
-    """Hash of the text of the models that rows follow from."""
-    digest = hashlib.sha256()
-    for file in sorted(Path(slender_setup.__file__).parent.glob("*.py")):
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
-
-
-def _kept(body: Body, value: float, u_max: float) -> Row:
-    """The row, from the cache if it is there; a cache that cannot be used is not."""
-    key = hashlib.sha256(json.dumps([_models(), asdict(body), u_max, FUNCTIONS]).encode()).hexdigest()[:32]
-    path = cache() / "stability" / f"{key}.json"
-    try:
-        return _read(json.loads(path.read_text("utf-8")), value)
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
-    made = row(body, value, u_max)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    def save_csv(self, path: Path) -> None:
+        """The map, a row a critical speed. Raises `TowageError` where it cannot be written."""
+        v = self.towed.speed_scale
+        lines = [f"{self.parameter},kind,u,tow_speed_m_s,omega_rad_s,growth_above"]
+        for r in self.map:
+            lines += [f"{r.value!r},yaw,{u!r},{u * v!r},0.0," for u in r.yaw]
+            for u, omega, grows in r.flutter:
+                lines.append(f"{r.value!r},flutter,{u!r},{u * v!r},{omega / self.towed.time_scale!r},{int(grows)}")
         with atomic_write(path) as stream:
-            stream.write(json.dumps(asdict(made)).encode())
-    except OSError:
-        pass
-    return made
+            stream.write(("\n".join(lines) + "\n").encode())
+
+    def save_plots(self, directory: Path) -> list[Path]:
+        """Writes ``<unit>_argand.svg``, the modes over speed (computed now), and of a map ``<unit>_<parameter>.svg``."""
+        from towage.tow_stability.plots import argand_plot, map_plot
+
+        v = self.towed.speed_scale
+        speeds = np.linspace(0.05, self.u_max, round(20 * self.u_max))
+        files = [directory / f"{self.name}_argand.svg"]
+        title = f"{self.name}: modes from {speeds[0] * v:.3g} to {speeds[-1] * v:.3g} m/s"
+        argand_plot(files[0], title, speeds, argand(self.towed.body, speeds), v)
+        if self.parameter:
+            files.append(directory / f"{self.name}_{self.parameter}.svg")
+            title = f"{self.name}: stability over {self.parameter}"
+            map_plot(files[1], title, self.parameter, self.map, self.u_max, v)
+        return files
 
 
-def _read(data: dict[str, Any], value: float) -> Row:
-    return Row(
-        value, tuple(data["yaw"]), tuple((u, w, bool(d)) for u, w, d in data["flutter"]),
-        tuple((a, b) for a, b in data["stable"]),
-    )  # fmt: skip
+def stability(
+    scene: Scene | str | Path,
+    case: str | None = None,
+    *,
+    set: Mapping[str, Any] | None = None,
+    u_max: float = U_MAX,
+    map: str | None = None,
+    values: Sequence[float] | int = POINTS,
+    fmus: str | Path | None = None,
+    report: Report | None = None,
+) -> list[Stability]:
+    """Critical tow speeds of every slender body of a scene: what ``towage stability`` does.
 
+        (body,) = towage.stability("slender_flutter", map="tail_cut", values=[0.4, 0.9])
+        body.document()["yaw_m_s"]
 
-def argand(body: Body, speeds: Array, count: int = 6, n: int = 26) -> list[ModePath]:
-    """The first ``count`` modes over ``speeds`` (u, ascending, from above 0), for an Argand plot of omega = -i s."""
-    return track(matrices(body, n), speeds, within=500.0, count=count)
+    ``scene``, ``case``, ``set`` and ``fmus`` as in `towage.run`, but the scene as it stands if it has cases and none is
+    named. ``u_max``: largest dimensionless speed, above 0 and at most 14. ``map``: tail_cut, rope_length (over body length)
+    or slenderness, for ``values`` of which the critical speeds are computed too (a number: so many over the default range);
+    rows of a map are kept in the cache. ``report``: told (share done, what) of a map. Nothing else is written.
+
+    Raises `SceneError` where the scene has no slender body, where the theory has none of these values, and for a ``map``
+    that there is not.
+    """
+    if map is not None and map not in RANGES:
+        raise SceneError(f"{map!r}: expected one of {', '.join(RANGES)}", key="map")
+    if not 0.0 < u_max <= 14.0:
+        raise SceneError(f"{u_max}: expected a number above 0, at most 14", key="u_max")
+    chosen = select(scene, case, set)
+    answers = []
+    for towed in bodies(chosen, Path(fmus) if fmus else None):
+        try:
+            limits, rows = row(towed.body, u_max=u_max), []
+            if map:
+                at = default_values(towed.body, map, values) if isinstance(values, int) else values
+                rows = stability_map(towed.body, map, at, u_max, report)
+        except ValueError as error:
+            raise SceneError(str(error), file=chosen.file, key=f"units.{towed.name}.parameters") from error
+        answers.append(Stability(towed, u_max, limits, map, tuple(rows)))
+    return answers

@@ -52,10 +52,10 @@ def unpacked(path: Path, root: Path) -> Path:
 def _stamp(path: Path) -> tuple[int, int]:
     """What changes with the file's content: (time of modification, size); zeros where there is no file."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return 0, 0
-    return found.st_mtime_ns, found.st_size
+    return status.st_mtime_ns, status.st_size
 
 
 @functools.lru_cache(maxsize=64)
@@ -211,6 +211,7 @@ def _parse(path: Path, data: bytes) -> ElementTree.Element:
     """The root element; a DOCTYPE is refused before any entity of it is looked at."""
 
     def refuse(*_: object) -> None:
+        """Called at a DOCTYPE."""
         raise FmuError("contains a DOCTYPE, which FMI does not need: refused", file=path, entry=_DESCRIPTION)
 
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()

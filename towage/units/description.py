@@ -126,7 +126,7 @@ class DescriptionReader:
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
 
     def description(self, path: Path, names: list[str]) -> Description:
-        """What the root element says, with the members ``names`` of the archive. Raises `InvalidDescription`."""
+        """The description of the FMU at ``path``, whose archive has entries of these names. Raises `InvalidDescription`."""
         root = self.root
         if root.tag != "fmiModelDescription":
             raise InvalidDescription(f"root element is {root.tag!r}, expected 'fmiModelDescription'")
@@ -179,12 +179,12 @@ class DescriptionReader:
 
     @staticmethod
     def flag(element: ElementTree.Element, key: str) -> bool:
-        """A boolean attribute; false where it is absent."""
+        """A Boolean attribute; false where it is missing."""
         return bool(_number(element, key, _boolean))
 
     @staticmethod
     def unit(element: ElementTree.Element) -> tuple[str, UnitDefinition]:
-        """Name and definition of a ``Unit`` with a ``BaseUnit``. Raises `InvalidDescription`."""
+        """(name, definition) of a unit of measurement."""
         base = element.find("BaseUnit")
         assert base is not None
         factor, offset = _number(base, "factor", float), _number(base, "offset", float) or 0.0
@@ -194,7 +194,7 @@ class DescriptionReader:
         return element.get("name", ""), UnitDefinition(exponents, 1.0 if factor is None else factor, offset)
 
     def variable(self, element: ElementTree.Element) -> Variable:
-        """A ``ScalarVariable``. Raises `InvalidDescription`."""
+        """The variable, with what its declared type adds. Raises `InvalidDescription`."""
         name = element.get("name", "")
         kinds = [child for child in element if child.tag in _KINDS]
         reference = _number(element, "valueReference", int)
@@ -235,6 +235,7 @@ class DescriptionReader:
         """Direct dependencies of the outputs, on inputs only."""
 
         def at(index: str) -> Variable:
+            """The variable of an index of ModelStructure, which begins at 1."""
             if not index.isdecimal() or not 1 <= int(index) <= len(variables):
                 raise InvalidDescription(f"ModelStructure names variable {index!r}, expected 1 to {len(variables)}")
             return variables[int(index) - 1]

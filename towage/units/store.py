@@ -9,13 +9,15 @@ from __future__ import annotations
 import functools
 import hashlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from towage.errors import FmuError
-from towage.process.files import reason
-from towage.scene.scene import Locate
+from towage.files import reason
+from towage.registry import UNITS
 
+Locate = Callable[[str], Path]
+"""From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
 Structure = Mapping[str, float]
 """Structural parameters of a native FMU: sizes that are fixed when it is built."""
 
@@ -27,21 +29,23 @@ def cache() -> Path:
 
 
 def locator(directory: Path | None = None) -> Locate:
-    """Finds the FMU of a shipped unit by whose description scenes are checked: in ``directory`` if given, the native one
-    where there is no other; else the Python flavour, built into the cache."""
+    """Finds the FMU of a unit that is named, by whose description scenes are checked: in ``directory`` if given, the
+    native one where there is no other; else the Python flavour, built into the cache. Units of other packages
+    (`towage.registry`) are always looked for in the cache too."""
 
     def locate(name: str) -> Path:
-        from towage.fmus import UNITS
-
+        """The FMU. Raises ``LookupError`` for a name that is none, `FmuError` if it cannot be built."""
         if directory is not None:
             for path in (directory / f"{name}.fmu", directory / "native" / f"{name}.fmu"):
                 if path.is_file():
                     return path
+            if name not in UNITS.own and name in UNITS:
+                return _python(name, cache() / "fmus")
             raise LookupError(
                 f"there is no {directory / name}.fmu; build it with: python build_fmus.py {name} --out {directory}"
             )
         if name not in UNITS:
-            raise LookupError(f"the shipped units are {', '.join(UNITS)}")
+            raise LookupError(f"there are the units {', '.join(UNITS.names())}")
         shipped = Path(__file__).parents[1] / "shipped" / f"{name}.fmu"  # in a wheel; never in the work tree: no stale ones
         return shipped if shipped.is_file() else _python(name, cache() / "fmus")
 
@@ -51,10 +55,18 @@ def locator(directory: Path | None = None) -> Locate:
 @functools.cache
 def _python(name: str, directory: Path) -> Path:
     """The Python flavour, compared with its sources once a process. Raises `FmuError`."""
-    from towage.fmus.python.build import build
+    from towage.fmus.declare.unit import BuildError
+    from towage.fmus.python.build import build, build_unit
 
     try:
-        return build(name, directory)[0]
+        if name in UNITS.own:
+            return build(name, directory)[0]
+        unit = UNITS.get(name)
+        if unit.name != name:
+            raise FmuError(f"is called {unit.name!r} by its declaration and {name!r} by its entry point: name both alike")
+        return build_unit(unit, UNITS.place(name), directory)[0]
+    except BuildError as error:
+        raise FmuError(f"the unit {name!r} cannot be built: {error}") from error
     except OSError as error:
         raise FmuError(f"cannot be built: {reason(error)}. TOWAGE_CACHE may name another place", file=directory) from error
 

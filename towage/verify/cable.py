@@ -19,7 +19,7 @@ Values = Mapping[str, Any]
 
 
 def tow_of(inputs: Values) -> Tow:
-    """The tow that a case's inputs describe."""
+    """The tow that a case's inputs describe, in the units of the case. Raises ``ValueError`` and ``KeyError``."""
     if inputs["added"] not in ("report", "morison"):
         raise ValueError(f"added is {inputs['added']!r}; expected report or morison")
     cable = Cable(
@@ -36,7 +36,7 @@ def tow_of(inputs: Values) -> Tow:
 
 
 def excitation_of(inputs: Values) -> Excitation:
-    """Complex amplitudes of a case's excitation."""
+    """Complex amplitudes of a case's excitation, Re(q exp(-i omega t)): motions of the towpoint, forces on the body."""
     e = inputs["excitation"]
     return Excitation(
         surge=e.get("aS", 0.0) * cmath.exp(1j * e.get("dS", 0.0)),
@@ -47,17 +47,18 @@ def excitation_of(inputs: Values) -> Excitation:
 
 
 def cable_response(inputs: Values, expected: Values) -> Values:
-    """Steady profile and complex amplitudes at both ends."""
+    """Steady profile, and complex amplitudes [re, im] of angle, tension, velocities and place at both ends, in the units of
+    the case."""
     tow = tow_of(inputs)
     omega = inputs.get("omega") or 2.0 * math.pi * inputs["excitation"]["f"]
-    found = respond(tow, omega, excitation_of(inputs))
+    response = respond(tow, omega, excitation_of(inputs))
     profile = []
     for station in expected.get("steady", []):
-        angle, tension, x, y = found.steady.at(abs(station["s_over_L"]) * tow.cable.length)
+        angle, tension, x, y = response.steady.at(abs(station["s_over_L"]) * tow.cable.length)
         profile.append({"s_over_L": station["s_over_L"], "T0": tension, "phi0": angle, "x0": x, "y0": y})
     fields = {
-        "phi1": found.angle, "T1": found.tension, "Up": found.velocity[0], "Vp": found.velocity[1],
-        "x1": found.configuration[0], "y1": found.configuration[1],
+        "phi1": response.angle, "T1": response.tension, "Up": response.velocity[0], "Vp": response.velocity[1],
+        "x1": response.configuration[0], "y1": response.configuration[1],
     }  # fmt: skip
     ends = {"body": (0, 0), "tow": (-1, -1)}
     return {"steady": profile} | {

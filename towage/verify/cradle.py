@@ -36,7 +36,9 @@ def dimensionless_system(
     two_way: bool = False,
     force: tuple[float, float] = (0.0, 0.0),
 ) -> System:
-    """The SI models with the numbers of a dimensionless case: ``drag`` is b, ``w`` None never slack."""
+    """The SI models with the numbers of a dimensionless case: ``drag`` is b, ``omega`` the frequency of the ship, ``w`` the
+    weight in water (None: the line is never slack), ``hull`` mass, damping and stiffness of the ship, ``force`` amplitude
+    and frequency of a force on her. Raises ``ValueError`` for an unknown ``mode`` of docking."""
     if mode not in ("plastic", "continuous"):
         raise ValueError(f"mode is {mode!r}; expected plastic or continuous")
     weight = 0.0 if w is None else w
@@ -102,8 +104,8 @@ def steady_orbit(inputs: Values, expected: Values) -> Values:
 def attractors(inputs: Values, expected: Values) -> Values:
     """All periodic motions reached, each at the section point nearest to the expected one, in the expected order."""
     w = inputs.get("w")
-    found, _ = orbits.attractors(dimensionless_system(inputs["B"], inputs["r"], w), inputs["initial_states"])
-    points = [(orbit, point) for orbit in found for point in orbit.section]
+    reached, _ = orbits.attractors(dimensionless_system(inputs["B"], inputs["r"], w), inputs["initial_states"])
+    points = [(orbit, point) for orbit in reached for point in orbit.section]
     ordered: list[dict[str, Any]] = []
     for want in expected.get("attractors", ()):
         if not points:

@@ -123,11 +123,11 @@ def saddles(given: route.Problem, guess: float) -> list[float]:
 
 
 def _distinct(times: Any) -> list[float]:
-    found: list[float] = []
+    minima: list[float] = []
     for time in np.sort(times):
-        if not found or time > found[-1] * (1.0 + 1e-6):
-            found.append(float(time))
-    return found
+        if not minima or time > minima[-1] * (1.0 + 1e-6):
+            minima.append(float(time))
+    return minima
 
 
 def route_times(inputs: Values, expected: Values) -> Values:
@@ -149,7 +149,7 @@ def route_times(inputs: Values, expected: Values) -> Values:
 
 
 def wave_statistics(inputs: Values, expected: Values) -> Values:
-    """Closed moments of a Pierson-Moskowitz sea of given height, and its periods."""
+    """Closed moments of a Pierson-Moskowitz sea of given height, m2 s^-k, its peak frequency, rad/s, and its periods, s."""
     height = inputs["Hs_m"]
     omega_p = waves.peak_frequency(height, inputs.get("Tp_s", 0.0))
     m0, m1, m2 = waves.closed_moments(height, omega_p)
@@ -160,7 +160,7 @@ def wave_statistics(inputs: Values, expected: Values) -> Values:
 
 
 def wave_spectrum(inputs: Values, expected: Values) -> Values:
-    """JONSWAP at given frequencies."""
+    """JONSWAP at given frequencies, rad/s: m2 s."""
     omega_p = 2.0 * math.pi / inputs["Tp_s"]
     return {"S": [waves.spectrum(w, inputs["Hs_m"], omega_p, inputs["gamma"]) for w in inputs["omega"]]}
 
@@ -170,7 +170,7 @@ def _hull(inputs: Values, oblique: float = 0.0) -> heave_response.Hull:
 
 
 def heave_rao(inputs: Values, expected: Values) -> Values:
-    """Encounter frequency and the magnitude of the response with both Smith factors."""
+    """Encounter frequency, rad/s, and the magnitude of the response, m a m, with both Smith factors."""
     omega, speed, g = inputs["omega"], inputs["V_m_s"], inputs.get("g", waves.GRAVITY)
     cos_beta = math.cos(math.radians(inputs["beta_deg_180_head"]))
     rao = [abs(heave_response.heave_rao(omega, speed, cos_beta, _hull(inputs, s), FLOATS, g)) for s in (0.0, 1.0)]
@@ -179,7 +179,7 @@ def heave_rao(inputs: Values, expected: Values) -> Values:
 
 
 def heave_moments(inputs: Values, expected: Values) -> Values:
-    """Variances of heave, velocity and acceleration with both Smith factors."""
+    """Variances of heave, velocity and acceleration, SI, with both Smith factors."""
     height, beta = inputs["Hs_m"], math.radians(inputs["beta_deg_180_head"])
     omega_p = waves.peak_frequency(height)
     return {
@@ -191,7 +191,7 @@ def heave_moments(inputs: Values, expected: Values) -> Values:
 
 
 def gauss_frequencies(inputs: Values, expected: Values) -> Values:
-    """Moments of the Gauss rule of a truncated spectrum."""
+    """Moments 0 to 4 of the Gauss rule of a truncated spectrum, m2 s^-k."""
     omega_p = waves.peak_frequency(inputs["Hs_m"])
     band = (inputs["lo"] / omega_p, inputs["hi"] / omega_p)
     m0 = inputs["Hs_m"] ** 2 / 16.0
@@ -201,7 +201,7 @@ def gauss_frequencies(inputs: Values, expected: Values) -> Values:
 
 
 def heave_series(inputs: Values, expected: Values) -> Values:
-    """A record of irregular heave."""
+    """A record of irregular heave, m, at the times of the case, s, its variance, m2, and the first phases, rad."""
     low, high = inputs["band"]
     sea = heave_response.components(inputs["n"], inputs["seed"], band=(low, high))
     omega_p = waves.peak_frequency(inputs["Hs_m"])
@@ -215,7 +215,7 @@ def heave_series(inputs: Values, expected: Values) -> Values:
 
 
 def heave_short_crested(inputs: Values, expected: Values) -> Values:
-    """Variance of heave in a cos^2s sea, over 96 directions."""
+    """Variance of heave, m2, in a cos^2s sea, over 96 directions."""
     omega_p = waves.peak_frequency(inputs["Hs_m"])
     fan = waves.spreading(inputs["s"], 96)
     return {

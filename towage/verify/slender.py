@@ -45,7 +45,7 @@ def _omega(s: complex) -> list[float]:
 
 
 def integrals(inputs: Values, expected: Values) -> Values:
-    """Shape numbers, end integrals, tension and base drag."""
+    """Shape numbers, end integrals, tension and base drag, all dimensionless."""
     made = body(inputs).ends
     values = made.shape._asdict()
     for number, end in (("1", made.nose), ("2", made.tail)):
@@ -54,41 +54,41 @@ def integrals(inputs: Values, expected: Values) -> Values:
 
 
 def spectra(inputs: Values, expected: Values) -> Values:
-    """The modes of smallest frequency at one tow speed."""
+    """The modes of smallest frequency, omega tau, at one tow speed u."""
     count = len(expected.get("omega", range(6)))
     return {"omega": [_omega(s) for s in spectrum(matrices(body(inputs)), inputs["u"], count)]}
 
 
 def yaw_critical(inputs: Values, expected: Values) -> Values:
-    """The lowest tow speeds at which a body begins or ends to yaw away."""
-    found = slender_critical.yaw(body(inputs), SPEEDS)
-    return {"u": found[: len(expected.get("u", found))]}
+    """The lowest tow speeds, u, at which a body begins or ends to yaw away."""
+    speeds = slender_critical.yaw(body(inputs), SPEEDS)
+    return {"u": speeds[: len(expected.get("u", speeds))]}
 
 
 def oscillatory_critical(inputs: Values, expected: Values) -> Values:
     """Oscillatory critical points [u, omega]. There are more than the cases list (regained stability beyond u = 10): of
     all, those that belong to the expected ones, in their order."""
-    found = [[c.u, c.omega] for c in slender_critical.oscillatory(body(inputs), SPEEDS)]
-    return {"u_omega": _in_order(found, expected.get("u_omega", []))}
+    points = [[c.u, c.omega] for c in slender_critical.oscillatory(body(inputs), SPEEDS)]
+    return {"u_omega": _in_order(points, expected.get("u_omega", []))}
 
 
 def rigid(inputs: Values, expected: Values) -> Values:
     """Quartic and frequencies of the rigid body, time unit L/U; a set of frequencies has no order but the expected."""
     made = body(inputs)
-    found = [_omega(s) for s in slender_rigid.exponents(made)]
-    return {"quartic_s": slender_rigid.quartic(made).tolist(), "omega": _in_order(found, expected.get("omega", []))}
+    exponents = [_omega(s) for s in slender_rigid.exponents(made)]
+    return {"quartic_s": slender_rigid.quartic(made).tolist(), "omega": _in_order(exponents, expected.get("omega", []))}
 
 
-def _in_order(found: list[list[float]], wanted: list[list[float]]) -> list[list[float]]:
-    """The points of ``found`` that lie nearest to those of ``wanted``, in their order; all where nothing is wanted."""
-    if not wanted or len(found) < len(wanted):
-        return found
-    distance = np.linalg.norm(np.array(found)[None, :, :] - np.array(wanted, dtype=float)[:, None, :], axis=2)
-    return [found[k] for k in linear_sum_assignment(distance)[1]]
+def _in_order(computed: list[list[float]], wanted: list[list[float]]) -> list[list[float]]:
+    """The points of ``computed`` that lie nearest to those of ``wanted``, in their order; all where nothing is wanted."""
+    if not wanted or len(computed) < len(wanted):
+        return computed
+    distance = np.linalg.norm(np.array(computed)[None, :, :] - np.array(wanted, dtype=float)[:, None, :], axis=2)
+    return [computed[k] for k in linear_sum_assignment(distance)[1]]
 
 
 def time_domain(inputs: Values, expected: Values) -> Values:
-    """The unit after a lateral step of the craft at t = 0 and one exact step to t."""
+    """Forces, N, and motions, m and rad, of the unit after a lateral step of the craft at t = 0 and one exact step to t."""
     made = body(inputs)
     length, diameter, stiffness = inputs["L"], inputs["D"], inputs["EI"]
     fluid = inputs["rho"] * 0.25 * math.pi * diameter**2
@@ -108,13 +108,13 @@ def time_domain(inputs: Values, expected: Values) -> Values:
     model = slender_body.SLENDER_BODY
     x, modes = model.initial(p, FLOATS)
     assert model.advance is not None
-    x = model.advance(0.0, t, x, modes, [(speed, 0.0, 0.0, 0.0), (w, 0.0, 0.0, 0.0)], p, FLOATS)
-    found = model.outputs(
+    x = model.advance(0.0, t, x, modes, model.Inputs((speed, 0.0, 0.0, 0.0), (w, 0.0, 0.0, 0.0)), p, FLOATS)
+    outputs = model.outputs(
         t, x, modes, slender_body.Inputs(speed, w), slender_body.Inputs(0.0, 0.0), p, FLOATS
     )
     return {
-        "T": found.tension, "Fx_on_craft": found.tension, "Fy_on_craft": found.lateral_force, "tip": found.tip,
-        "tail": found.tail, "rope_angle": found.rope_angle, "yaw_angle": found.yaw_angle,
+        "T": outputs.tension, "Fx_on_craft": outputs.tension, "Fy_on_craft": outputs.lateral_force, "tip": outputs.tip,
+        "tail": outputs.tail, "rope_angle": outputs.rope_angle, "yaw_angle": outputs.yaw_angle,
     }  # fmt: skip
 
 

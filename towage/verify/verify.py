@@ -53,7 +53,8 @@ class CaseResult:
 
 
 def verify(path: Path | None = None) -> list[CaseResult]:
-    """Every case of ``path``, or of the project's own copies. Raises `SceneError` where the file is no such file."""
+    """Every case of ``path``, or of the project's own copies. Raises `SceneError` for a file that cannot be
+    read or holds no cases."""
     if path is not None:
         try:
             text = Path(path).read_text(encoding="utf-8")
@@ -92,11 +93,12 @@ def _cases(text: str, file: Path) -> list[Mapping[str, Any]]:
 
 
 def check(case: Mapping[str, Any]) -> CaseResult:
-    """Compute one case and compare it; whatever goes wrong becomes a failed result."""
+    """Compute one case of a file and compare it; whatever goes wrong becomes a result that does not agree."""
     kind, rtol = case["kind"], float(case.get("rtol", DEFAULT_RTOL))
     name = str(case.get("name", ""))
 
     def failed(message: str) -> CaseResult:
+        """A result without numbers."""
         return CaseResult(name, kind, math.nan, rtol, False, message)
 
     if kind not in SOLVERS:

@@ -20,9 +20,11 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from ....models.heave.system import DORMAND_PRINCE_8
-from ....models.numeric.integrate import Tableau
+from ....models.numeric.tableaus import Tableau
 from ...declare.unit import Unit
 from ..compiler import compiler, host, output_of
+from ..constants import definitions
+from ..stages import combination, stage_lines
 from ..trace import trace
 from ..traced import NotNative, Traced, column
 
@@ -148,7 +150,7 @@ class Writer:
         self.lines[MOVING].clear()
         self.known = {key: name for key, name in self.known.items() if name.level < MOVING}
         work: dict[int, Name] = {}
-        found = []
+        stores = []
         for k in range(f.n_instructions()):
             op, of, to = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
             if op == ca.OP_INPUT:
@@ -161,10 +163,10 @@ class Writer:
             elif op == ca.OP_OUTPUT:
                 value = self.used(self.number(work[of[0]]))
                 target = results[to[0]]
-                found.append(f"    return {value};" if target == "return" else f"    {target}[{to[1]}] = {value};")
+                stores.append(f"    return {value};" if target == "return" else f"    {target}[{to[1]}] = {value};")
             else:
                 work[to[0]] = self.operation(op, [work[i] for i in of])
-        return "\n".join([f"static {signature}", "{", *self.lines[MOVING], *found, "}", ""])
+        return "\n".join([f"static {signature}", "{", *self.lines[MOVING], *stores, "}", ""])
 
 
 def text(unit: Unit, observed: Sequence[str], method: Tableau = METHOD) -> Text:
@@ -212,7 +214,8 @@ def text(unit: Unit, observed: Sequence[str], method: Tableau = METHOD) -> Text:
     prepare = writer.shared("void model_prepare(const V *restrict q, V *restrict c)", FIXED)
     sizes = {"NQ": np_ + ni, "NC": len(writer.slots), "NX": nx, "NM": nm, "NG": indicated.numel(), "NY": len(observed),
              "STAGES": len(method.c), "ERRORS": len(method.error), "ORDER": method.order}  # fmt: skip
-    head = ['#include "lanes.h"', "", *(f"#define {name} {size}" for name, size in sizes.items()), ""]
+    shared = definitions("SAFETY", "MOST_GROWTH", "LEAST_GROWTH", "RESCUE", "NO_NUMBER", "LANDING")
+    head = ['#include "lanes.h"', "", *(f"#define {name} {size}" for name, size in sizes.items()), *shared, ""]
     return Text("\n".join([*head, prepare, branch, *body, _stages(method)]), unit, tuple(observed), traced)
 
 
@@ -230,22 +233,16 @@ def _literal(value: float) -> str:
 
 
 def _stages(method: Tableau) -> str:
-    """The method's stages, without the products with zero that a loop would make. The step itself is one more stage, whose
-    rates begin the next step."""
-
-    def combination(weights: Sequence[float]) -> str:
-        return " + ".join(f"{w!r} * k[{j}][i]" for j, w in enumerate(weights) if w != 0.0)
-
-    lines = [
+    """The method's stages and its errors."""
+    rate = "k[{}][i]"
+    steps = stage_lines(
+        method, rate, evaluate="model_rates({time}, {point}, c, k[{stage}]);", loop="for (int i = 0; i < NX; i++)",
+        end="end",
+    )  # fmt: skip
+    errors = [f"    if (e == {e})\n        return {combination(w, rate)};" for e, w in enumerate(method.error)]
+    return "\n".join([
         "static void model_stages(V t, V h, V end, const V *restrict x, const V *restrict c, ",
-        "                         V (*restrict k)[NX], V *restrict y)", "{",
-    ]  # fmt: skip
-    for s, weights in enumerate((*method.a[1:], method.b), 1):
-        time = f"t + {method.c[s]!r} * h" if s < len(method.c) else "end"
-        lines += [
-            "    for (int i = 0; i < NX; i++)", f"        y[i] = x[i] + h * ({combination(weights)});",
-            f"    model_rates({time}, y, c, k[{s}]);",
-        ]  # fmt: skip
-    errors = [f"    if (e == {e})\n        return {combination(w)};" for e, w in enumerate(method.error)]
-    error = ["INLINE V model_error(int e, int i, V (*k)[NX])", "{", *errors, "    return all(NAN);", "}", ""]
-    return "\n".join([*lines, "}", "", *error])
+        "                         V (*restrict k)[NX], V *restrict y)",
+        "{", *(f"    {line}" for line in steps), "}", "",
+        "INLINE V model_error(int e, int i, V (*k)[NX])", "{", *errors, "    return all(NAN);", "}", "",
+    ])  # fmt: skip

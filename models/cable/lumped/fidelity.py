@@ -18,14 +18,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...numeric.arrays import ComplexArray
 from ...numeric.matrix_ops import MatrixOps, numbers
 from ..case import CableError, Tow
-from ..steady.perturbation import ComplexArray, Excitation, Response
+from ..steady.perturbation import Excitation, Response
 from ..steady.response import mesh, responses
 from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .reduction import reduce, relative_error
 
 FEWEST, MOST = 6, 120
+LEAST_SHARE = 0.25
+"""Share of the tolerance that is left to the reduction, whatever the segments took."""
 UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(drag=-1.0), Excitation(lift=1.0)]
 
 
@@ -84,15 +87,15 @@ def choose(
     count = nodes or 10
     for _ in range(5):
         model = build(tow_used, count)
-        found = np.array([_gains(model, omega) for omega in frequencies])
-        error = relative_error(found, exact, counted)
+        gains = np.array([_gains(model, omega) for omega in frequencies])
+        error = relative_error(gains, exact, counted)
         if nodes or error <= target or count >= MOST:
             break
         count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
     full = model if with_body else ends_together(cable_elastic(tow_used, max(count, 2)), numbers())
     final = full
     if reduced:
-        smaller = reduce(full, max(0.25 * tolerance, tolerance - error), band, extensible, counted)
+        smaller = reduce(full, max(LEAST_SHARE * tolerance, tolerance - error), band, extensible, counted)
         final, error = smaller.model, error + smaller.error
     lost = 0.0
     if not extensible and math.isfinite(tow.cable.axial_stiffness):

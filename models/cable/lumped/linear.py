@@ -28,10 +28,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...numeric.arrays import ComplexArray
 from ...numeric.matrix_ops import Matrix, MatrixOps, numbers
 from ...numeric.ops import Value
 from ..case import CableError, Tow
-from ..steady.perturbation import ComplexArray
 from .lumped import Chain, Matrices, ends, equilibrium, matrices, rows, steady_towpoint_force
 
 FORCE = slice(0, 2)

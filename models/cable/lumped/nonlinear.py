@@ -25,7 +25,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from ...numeric.arrays import Array
 from ..case import CableError, Tow
@@ -153,6 +152,8 @@ class NonlinearCable:
 
     def _stage(self, start: Array, weight: float, inputs: Array) -> Array | None:
         """State z = start + weight * z'(z), or None where Newton's method fails."""
+        from scipy.linalg import solve_banded  # loads slowly, see `exact_step`
+
         top = inputs[:2] + np.array([self.chain.tow.speed, 0.0])
         state = start.copy()
         state[0] += weight * (state[1] - inputs[:2, None] - np.array([[self.chain.tow.speed], [0.0]]))

@@ -25,17 +25,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import matrix_balance, solve_continuous_lyapunov
 
-from ...numeric.arrays import Array
+from ...numeric.arrays import Array, ComplexArray
 from ..case import CableError
-from ..steady.perturbation import ComplexArray
 from .linear import BODY_VELOCITY, FORCE, StateSpace
 
 FREQUENCIES = 40
 """Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
-BAND_START = 0.02
-"""rad/s; low end of the band, a period of five minutes."""
+BAND_START, BAND_SHARE = 0.02, 0.1
+"""Low end of the band, rad/s, a period of five minutes; of a narrow band, its share of the high end."""
+NEGLIGIBLE = 1e-12
+"""Hankel singular values below this share of the largest are rounding."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Reduced:
 
 def band_frequencies(band: float, count: int = FREQUENCIES) -> Array:
     """Angular frequencies, rad/s, up to ``band``."""
-    return np.geomspace(min(BAND_START, 0.1 * band), band, count)
+    return np.geomspace(min(BAND_START, BAND_SHARE * band), band, count)
 
 
 def transfer(model: StateSpace, frequencies: Array) -> ComplexArray:
@@ -63,12 +63,12 @@ def transfer(model: StateSpace, frequencies: Array) -> ComplexArray:
     return gains
 
 
-def relative_error(found: ComplexArray, exact: ComplexArray, inputs: int = 4) -> float:
+def relative_error(gains: ComplexArray, exact: ComplexArray, inputs: int = 4) -> float:
     """The measure of the module's text, for the first ``inputs`` of the inputs."""
     worst = 0.0
     for rows in (FORCE, BODY_VELOCITY):
         size = np.abs(exact[:, rows, :inputs]).max(axis=1)
-        difference = np.abs(found[:, rows, :inputs] - exact[:, rows, :inputs]).max(axis=1)
+        difference = np.abs(gains[:, rows, :inputs] - exact[:, rows, :inputs]).max(axis=1)
         keep = size > 0.0
         worst = max(worst, float((difference[keep] / size[keep]).max(initial=0.0)))
     return worst
@@ -102,6 +102,8 @@ Build = Callable[[int], StateSpace | None]
 
 def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
     """Function of the number of states that gives the reduced model, or None."""
+    from scipy.linalg import matrix_balance, solve_continuous_lyapunov  # loads slowly, see `exact_step`
+
     rows = np.r_[FORCE, BODY_VELOCITY]
     # outputs and inputs measured by what passes between them in the band
     out = 1.0 / np.abs(exact[:, rows, :2]).max(axis=(0, 2))
@@ -114,7 +116,7 @@ def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
     controllability = _root(solve_continuous_lyapunov(a, -b @ b.T))
     observability = _root(solve_continuous_lyapunov(a.T, -c.T @ c))
     u, s, vt = np.linalg.svd(observability.T @ controllability)
-    count = int((s > 1e-12 * s[0]).sum())
+    count = int((s > NEGLIGIBLE * s[0]).sum())
     root = 1.0 / np.sqrt(s[:count])
     right = controllability @ vt[:count].T * root
     left = observability @ u[:, :count] * root
@@ -160,10 +162,10 @@ def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: i
     sizes = np.cumsum(width[order])
 
     def build(states: int) -> StateSpace | None:
-        found = np.flatnonzero(sizes == states)
-        if not len(found):
+        whole = np.flatnonzero(sizes == states)
+        if not len(whole):
             return None
-        kept, gone = order[: found[0] + 1], order[found[0] + 1 :]
+        kept, gone = order[: whole[0] + 1], order[whole[0] + 1 :]
         a, b, c = [], [], []
         for i in kept:
             re, im = values[i].real, values[i].imag

@@ -31,12 +31,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...numeric.arrays import Array, ComplexArray
 from ..case import CableError, Tow
-from .steady import Array, Steady, slopes
-
-ComplexArray = NDArray[np.complex128]
+from .steady import Steady, slopes
 
 
 @dataclass(frozen=True)

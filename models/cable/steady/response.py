@@ -19,15 +19,17 @@ Source of the method: collocation at Gauss points as in de Boor and Swartz, SIAM
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
+from ...numeric.arrays import Array, ComplexArray
 from ..case import CableError, Tow
-from .perturbation import ComplexArray, Excitation, Response, body_rows, coefficients, towpoint_values
-from .steady import Array, Steady, basis, graded_edges, steady
+from .perturbation import Excitation, Response, body_rows, coefficients, towpoint_values
+from .steady import Steady, basis, graded_edges, steady
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 PHASE_PER_ELEMENT = 2.0
 """Largest |kappa| h; degree 16 then interpolates exp(kappa s) to rounding."""
@@ -41,8 +43,8 @@ def wave_numbers(tow: Tow, omega: float, state: Steady) -> Array:
     scale = np.array(
         [1.0, tow.end_tension, max(omega, 1e-300) * tow.cable.length, max(omega, 1e-300) * tow.cable.length]
     )
-    found: Array = np.abs(np.linalg.eigvals(matrices * scale / scale[:, None])).max(axis=(1, 2))
-    return found
+    largest: Array = np.abs(np.linalg.eigvals(matrices * scale / scale[:, None])).max(axis=(1, 2))
+    return largest
 
 
 def mesh(tow: Tow, omega: float) -> Steady:
@@ -67,22 +69,16 @@ def respond(
     omega: float,
     excitation: Excitation,
     state: Steady | None = None,
-    method: Literal["collocation", "shooting"] = "collocation",
 ) -> Response:
     """Response at ``omega``, rad/s, > 0, on the mesh of ``state`` (default: one that resolves omega). Raises
-    `CableError` for a frequency that is not positive and finite, or equations without a unique solution. ``method``
-    "shooting" is the source's and warns `LostIndependence` where it dies."""
-    if method == "shooting":
-        from .shooting import respond_by_shooting  # it needs this module
-
-        return respond_by_shooting(tow, omega, excitation, state)[0]
-    if method != "collocation":
-        raise CableError(f"method is {method!r}: expected 'collocation' or 'shooting'")
+    `CableError` for a frequency that is not positive and finite, or equations without a unique solution."""
     return responses(tow, omega, [excitation], state)[0]
 
 
 def responses(tow: Tow, omega: float, excitations: list[Excitation], state: Steady | None = None) -> list[Response]:
     """`respond` for several excitations at the cost of about one."""
+    from scipy.sparse import csc_matrix  # takes long to load, and a unit may never ask
+
     check_frequency(omega)
     state = state or mesh(tow, omega)
     nodes, values, derivative = basis()
@@ -116,17 +112,19 @@ def responses(tow: Tow, omega: float, excitations: list[Excitation], state: Stea
     )
     index = p * np.arange(count)[:, None] + np.arange(p + 1)
     solution = _solve(matrix, side)
-    found = []
+    answers = []
     for i in range(len(excitations)):
         fields = (solution[:, i].reshape(-1, 4) * scale)[index]
-        found.append(Response(state, omega, fields[..., 0], fields[..., 1], fields[..., 2], fields[..., 3]))
-    return found
+        answers.append(Response(state, omega, fields[..., 0], fields[..., 1], fields[..., 2], fields[..., 3]))
+    return answers
 
 
 def _solve(matrix: csc_matrix, side: ComplexArray) -> ComplexArray:
     """Sparse elimination with rows scaled to one, and one refinement."""
+    from scipy.sparse.linalg import splu
+
     size = np.asarray(abs(matrix).max(axis=1).todense()).ravel()
-    scaled = csc_matrix(matrix.multiply(1.0 / size[:, None]))
+    scaled = matrix.multiply(1.0 / size[:, None]).tocsc()
     b = side / size[:, None]
     try:
         factors = splu(scaled)

@@ -9,8 +9,6 @@ towpoint the answer carries a relative error of about 1e-16 k. `respond_by_shoot
 `LOST`. Measured against collocation: 600 ft at 0.8 Hz 3e-10, 1200 ft 3e-5, 600 ft at 5 Hz 0.35, 5 km from 0.1 Hz no
 digit. The source's own program stops far earlier, at its frozen coefficients (first order, 0.1 to 5 %).
 
-`respond` of ``response.py`` offers it as method "shooting".
-
 Source: small-perturbation report on towed cables, Equations [45]-[50], programs OMWAY and OMFLO; coefficients here are
 exact, the integrator is of order 8.
 """
@@ -23,10 +21,11 @@ import warnings
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ...numeric.arrays import Array, ComplexArray
 from ..case import CableError, Tow
-from .perturbation import ComplexArray, Excitation, Response, body_rows, coefficients, towpoint_values
+from .perturbation import Excitation, Response, body_rows, coefficients, towpoint_values
 from .response import check_frequency, mesh
-from .steady import Array, Steady, slopes
+from .steady import Steady, slopes
 
 LOST = 1e-6
 """Estimated relative error from which the modes count as dependent."""
@@ -64,10 +63,10 @@ def respond_by_shooting(
     points = 0.5 * (left + right) + 0.5 * (right - left) * nodes
     points[:, 0], points[:, -1] = state.edges[:-1], state.edges[1:]
     times, index = np.unique(points.ravel(), return_inverse=True)
-    found = solve_ivp(rates, (0.0, tow.cable.length), initial, "DOP853", rtol=1e-12, atol=1e-14, t_eval=times)
-    if not found.success or not np.all(np.isfinite(found.y)):
-        raise CableError(f"shooting failed: {found.message}")
-    modes = np.ascontiguousarray(found.y[2:].T).view(complex).reshape(-1, 4, 3)
+    solution = solve_ivp(rates, (0.0, tow.cable.length), initial, "DOP853", rtol=1e-12, atol=1e-14, t_eval=times)
+    if not solution.success or not np.all(np.isfinite(solution.y)):
+        raise CableError(f"shooting failed: {solution.message}")
+    modes = np.ascontiguousarray(solution.y[2:].T).view(complex).reshape(-1, 4, 3)
     top = modes[-1]
     condition = float(np.linalg.cond(top[:, :2] / np.linalg.norm(top[:, :2], axis=0)))
     wanted = towpoint_values(omega, float(state.angle[-1, -1]), excitation) / velocity

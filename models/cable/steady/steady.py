@@ -19,13 +19,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.special import roots_legendre
 
+from ...numeric.arrays import Array
 from ..case import CableError, Tow
 
-Array = NDArray[np.float64]
 DEGREE = 16
 """Polynomial degree in an element: errors at rounding for elements over which solutions change by e^2."""
 QUADRANT_SLACK = 1e-9
@@ -37,6 +34,8 @@ MAX_STEPS = 20_000
 def basis(degree: int = DEGREE) -> tuple[Array, Array, Array]:
     """Chebyshev nodes on [-1, 1] from -1, shape (p+1,), and the matrices (p, p+1) that take node values to values and
     to slopes at the p Gauss points."""
+    from scipy.special import roots_legendre  # takes long to load, and a unit may never ask
+
     k = np.arange(degree + 1)
     nodes = -np.cos(np.pi * k / degree)
     weights = (-1.0) ** k
@@ -115,6 +114,8 @@ def slopes(tow: Tow, angle: Array, log_tension: Array) -> tuple[Array, Array]:
 def graded_edges(tow: Tow) -> Array:
     """Element edges from the steps of an embedded method, m. Raises `CableError` where the cable leaves its quadrant
     or loses its tension."""
+    from scipy.integrate import solve_ivp  # takes long to load, and a unit may never ask
+
     start = np.array([tow.end_angle, math.log(tow.end_tension)])
     low, high = (0.0, 0.5 * math.pi) if tow.quadrant == 1 else (0.5 * math.pi, math.pi)
 
@@ -128,21 +129,21 @@ def graded_edges(tow: Tow) -> Array:
         return float(y[1] - start[1]) + 60.0
 
     leaves.terminal = vanishes.terminal = True  # type: ignore[attr-defined]
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (0.0, tow.cable.length), start, "DOP853", rtol=1e-8, atol=1e-8, events=(leaves, vanishes),
     )  # fmt: skip
-    if found.status == 1:
-        where = float(found.t[-1])
-        if len(found.t_events[0]):
+    if solution.status == 1:
+        where = float(solution.t[-1])
+        if len(solution.t_events[0]):
             raise CableError(
                 f"the cable leaves Quadrant {'I' * tow.quadrant} at {where:.6g} of {tow.cable.length:g} from the body "
-                f"(angle {math.degrees(found.y[0, -1]):.4g} deg): the loading is not valid there; expected a shorter "
+                f"(angle {math.degrees(solution.y[0, -1]):.4g} deg): the loading is not valid there; expected a shorter "
                 "or lighter cable, or more pull of the body"
             )
         raise CableError(f"the cable has no tension at {where:.6g} of {tow.cable.length:g} from the body")
-    if not found.success or len(found.t) > MAX_STEPS:
-        raise CableError(f"the steady shape was not found within {MAX_STEPS} steps: {found.message}")
-    edges: Array = found.t
+    if not solution.success or len(solution.t) > MAX_STEPS:
+        raise CableError(f"the steady shape was not found within {MAX_STEPS} steps: {solution.message}")
+    edges: Array = solution.t
     return edges
 
 

@@ -31,24 +31,12 @@ from ...protocol.linear_model import LinearModel
 from ...protocol.model import Requirement, remembered
 from ...protocol.state_space import Reduction, Setup, Study
 from ...protocol.variables import EVERY_INPUT, Rate, calculated_parameter, input_variable, output
-from ..case import CableError
 from ..lumped.fidelity import Chosen, choose, ends_together
 from ..lumped.linear import BODY_VELOCITY, PROFILE, Rows, StateSpace, cable_model
 from ..lumped.lumped import hang, matrices
-from ..parameters import Choice, TowParameters, integral, tow_of, tow_requirements, traced_tow
-from . import ports, tow_system
-from .linear_tow import (
-    EXTRA,
-    Constants,
-    chosen_setup,
-    flow_margin,
-    halved,
-    profile,
-    setup_of,
-    setup_requirements,
-    speed_margin,
-    tuning_refusal,
-)
+from ..parameters import Choice, TowParameters, integral, refusal_by, tow_of, tow_requirements, traced_tow
+from . import linear_tow, ports, tow_system
+from .linear_tow import Constants
 from .ports import second_derivative
 
 OFFSET = slice(2, 4)
@@ -159,7 +147,7 @@ def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
 
 
 def _setup(model: StateSpace, ops: MatrixOps) -> Setup:
-    return setup_of(model, model.d[BODY_VELOCITY, OFFSET], 4.0, ops)
+    return linear_tow.setup_of(model, model.d[BODY_VELOCITY, OFFSET], 4.0, ops)
 
 
 def study(size: Size) -> Study:
@@ -168,7 +156,7 @@ def study(size: Size) -> Study:
     # with its body: between two given ends the error of the segments is not of second order
     towed = tow_system.Size(size.segments, 1.0)
     stand_in = tow_system.setup, towed
-    comparisons = tuple(replace(each, stand_in=stand_in) for each in halved(towed, FEWEST))
+    comparisons = tuple(replace(each, stand_in=stand_in) for each in linear_tow.halved(towed, FEWEST))
     return Study(Reduction(True, "measured_inputs", "states", "model_error", direct), comparisons)
 
 
@@ -224,15 +212,15 @@ def observe(
     p: Parameters, constants: Constants, ops: Ops,
 ) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
     """All observables, and the tensions of the segments, N."""
-    slack, quadrant, tensions = profile(y, constants, ops)
+    slack, quadrant, tensions = linear_tow.profile(y, constants, ops)
     row, rate = Rows._make(y[:PROFILE]), Rows._make(y_rate[:PROFILE])
     surge, heave = u.top_velocity_surge, u.top_velocity_heave
-    top = speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops)
-    body = speed_margin(u.body_velocity_surge, u.body_velocity_heave, p.tow_speed, p.perturbation_limit, ops)
+    top = linear_tow.speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops)
+    body = linear_tow.speed_margin(u.body_velocity_surge, u.body_velocity_heave, p.tow_speed, p.perturbation_limit, ops)
     return Outputs(
         -row.force_surge, -row.force_heave, row.body_surge, row.body_heave, constants.tension_top + row.tension_top,
         constants.tension_body + row.tension_body, own.offset_surge, own.offset_heave, ops.minimum(top, body), slack,
-        flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
+        linear_tow.flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
         1.0 - constants.model_error / p.tolerance, -rate.force_surge, -rate.force_heave, rate.body_surge,
         rate.body_heave, rate.tension_top,
     ), tensions  # fmt: skip
@@ -262,16 +250,7 @@ def size(p: Parameters) -> Size:
 def prepare(p: Parameters) -> Setup:
     """The chosen model, of numbers. Raises `CableError`."""
     made = chosen(p)
-    return chosen_setup(_setup(made.model, numbers()), made)
-
-
-def refusal(p: Parameters) -> str:
-    """Why there is no such tow; empty if there is."""
-    try:
-        chosen(p)
-    except CableError as error:
-        return str(error)
-    return ""
+    return linear_tow.chosen_setup(_setup(made.model, numbers()), made)
 
 
 LINEAR = LinearModel(
@@ -279,7 +258,7 @@ LINEAR = LinearModel(
     "Elastic tow cable between two units, small perturbations from the steady tow",
     Parameters, Inputs, Outputs, Calculated, Size, Own,
     setup=setup, prepare=prepare, drive=drive, core=core, observe=observe, describe=describe, own_after=own_after,
-    own_rates=own_rates, size=size, study=study, requirements=requirements, setup_requirements=setup_requirements,
-    refusal=refusal, tuning_refusal=tuning_refusal, order=4, rates=PROFILE, extra=EXTRA,
+    own_rates=own_rates, size=size, study=study, requirements=requirements, setup_requirements=linear_tow.setup_requirements,
+    refusal=refusal_by(chosen), tuning_refusal=linear_tow.tuning_refusal, order=4, rates=PROFILE, extra=linear_tow.EXTRA,
 )  # fmt: skip
 TOW_CABLE = LINEAR.as_model()

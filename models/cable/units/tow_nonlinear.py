@@ -23,10 +23,9 @@ from ...numeric.arrays import Array
 from ...numeric.ops import Ops, Value
 from ...protocol.model import Model, Requirement, remembered
 from ...protocol.variables import Rate, calculated_parameter, margin, output, parameter
-from ..case import CableError
 from ..lumped.lumped import equilibrium, steady_towpoint_force
 from ..lumped.nonlinear import NonlinearCable
-from ..parameters import TowParameters, integral, tow_of, tow_requirements
+from ..parameters import TowParameters, integral, refusal_by, tow_of, tow_requirements
 from . import ports
 
 Inputs = ports.TowpointInputs
@@ -98,15 +97,6 @@ def prepare(p: Parameters) -> Prepared:
     )
 
 
-def refusal(p: Parameters) -> str:
-    """Why there is no such tow; empty if there is."""
-    try:
-        prepare(p)
-    except CableError as error:
-        return str(error)
-    return ""
-
-
 def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
     """The steady tow."""
     return (*prepare(p).cable.start().ravel().tolist(), 0.0, 0.0), Modes()
@@ -171,6 +161,6 @@ TOW_CABLE_NONLINEAR = Model(
     "Tow cable and towed body, elastic lumped masses, large motions and slack",
     Parameters, None, Modes, Inputs, Outputs, Calculated,
     initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
-    refusal=refusal,
+    refusal=refusal_by(prepare),
     floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )  # fmt: skip

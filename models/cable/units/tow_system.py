@@ -29,24 +29,13 @@ from ...protocol.linear_model import LinearModel
 from ...protocol.model import Requirement, remembered
 from ...protocol.state_space import Comparison, Reduction, Setup, Study
 from ...protocol.variables import EVERY_INPUT, Rate, calculated_parameter, margin, parameter, state
-from ..case import CableError, Tow
+from ..case import Tow
 from ..lumped.fidelity import Chosen, choose
 from ..lumped.linear import PROFILE, Rows, StateSpace, elastic_model, rigid_model
 from ..lumped.lumped import hang, matrices
-from ..parameters import Choice, TowParameters, integral, tow_of, tow_requirements, traced_tow
-from . import ports
-from .linear_tow import (
-    EXTRA,
-    Constants,
-    chosen_setup,
-    flow_margin,
-    halved,
-    profile,
-    setup_of,
-    setup_requirements,
-    speed_margin,
-    tuning_refusal,
-)
+from ..parameters import Choice, TowParameters, integral, refusal_by, tow_of, tow_requirements, traced_tow
+from . import linear_tow, ports
+from .linear_tow import Constants
 from .ports import second_derivative
 
 Inputs = ports.TowpointInputs
@@ -166,7 +155,7 @@ def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
 def _setup(model: StateSpace, full: StateSpace, tow: Tow, ops: MatrixOps) -> Setup:
     """``full``: ``model`` before reduction."""
     # in Quadrant I the towpoint drives the tow, in II forces on the body do too
-    return setup_of(model, full.apparent_mass, 3.0 - tow.sign, ops)
+    return linear_tow.setup_of(model, full.apparent_mass, 3.0 - tow.sign, ops)
 
 
 def study(size: Size) -> Study:
@@ -177,7 +166,7 @@ def study(size: Size) -> Study:
     )
     return Study(
         Reduction(elastic, "measured_inputs", "states", "model_error"),
-        halved(size, 1) + (() if elastic else (stretched,)),
+        linear_tow.halved(size, 1) + (() if elastic else (stretched,)),
     )
 
 
@@ -219,15 +208,15 @@ def observe(
     p: Parameters, constants: Constants, ops: Ops,
 ) -> tuple[Outputs, tuple[Value, ...]]:  # fmt: skip
     """All observables, and the tensions of the segments, N."""
-    slack, quadrant, tensions = profile(y, constants, ops)
+    slack, quadrant, tensions = linear_tow.profile(y, constants, ops)
     row, rate = Rows._make(y[:PROFILE]), Rows._make(y_rate[:PROFILE])
     surge, heave = u.velocity_surge, u.velocity_heave
     return Outputs(
         -row.force_surge, -row.force_heave, constants.tension_top + row.tension_top,
         constants.tension_body + row.tension_body, own.towpoint_surge + row.offset_surge,
         own.towpoint_heave + row.offset_heave, row.body_surge, row.body_heave,
-        speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops), slack,
-        flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
+        linear_tow.speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops), slack,
+        linear_tow.flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
         1.0 - constants.model_error / p.tolerance, 1.0 - constants.inextensible_error / p.tolerance,
         -rate.force_surge, -rate.force_heave, rate.tension_top, rate.offset_surge + surge, rate.offset_heave + heave,
         rate.body_surge, rate.body_heave,
@@ -258,16 +247,7 @@ def size(p: Parameters) -> Size:
 def prepare(p: Parameters) -> Setup:
     """The chosen model, of numbers. Raises `CableError`."""
     made = chosen(p)
-    return chosen_setup(_setup(made.model, made.full, made.full.chain.tow, numbers()), made)
-
-
-def refusal(p: Parameters) -> str:
-    """Why there is no such tow; empty if there is."""
-    try:
-        chosen(p)
-    except CableError as error:
-        return str(error)
-    return ""
+    return linear_tow.chosen_setup(_setup(made.model, made.full, made.full.chain.tow, numbers()), made)
 
 
 LINEAR = LinearModel(
@@ -275,7 +255,7 @@ LINEAR = LinearModel(
     "Tow cable and towed body, small perturbations from the steady tow",
     Parameters, Inputs, Outputs, Calculated, Size, Own,
     setup=setup, prepare=prepare, drive=drive, core=core, observe=observe, describe=describe, own_after=own_after,
-    own_rates=own_rates, size=size, study=study, requirements=requirements, setup_requirements=setup_requirements,
-    refusal=refusal, tuning_refusal=tuning_refusal, rates=PROFILE, extra=EXTRA,
+    own_rates=own_rates, size=size, study=study, requirements=requirements, setup_requirements=linear_tow.setup_requirements,
+    refusal=refusal_by(chosen), tuning_refusal=linear_tow.tuning_refusal, rates=PROFILE, extra=linear_tow.EXTRA,
 )  # fmt: skip
 TOW_SYSTEM = LINEAR.as_model()

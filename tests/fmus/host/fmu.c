@@ -10,11 +10,10 @@
 #include "fmi3Functions.h"
 
 static void print2(fmi2ComponentEnvironment fmu, fmi2String instance, fmi2Status status, fmi2String category,
-                 fmi2String message, ...)
+                   fmi2String message, ...)
 {
     va_list arguments;
-    if (((const Fmu *)fmu)->silent)
-        return;
+    if (((const Fmu *)fmu)->silent) return;
     fprintf(stderr, "%s: %d %s: ", instance, (int)status, category);
     va_start(arguments, message);
     vfprintf(stderr, message, arguments);
@@ -24,37 +23,38 @@ static void print2(fmi2ComponentEnvironment fmu, fmi2String instance, fmi2Status
 
 static void print3(fmi3InstanceEnvironment fmu, fmi3Status status, fmi3String category, fmi3String message)
 {
-    if (!((const Fmu *)fmu)->silent)
-        fprintf(stderr, "%d %s: %s\n", (int)status, category, message);
+    if (!((const Fmu *)fmu)->silent) fprintf(stderr, "%d %s: %s\n", (int)status, category, message);
 }
 
-
 /* The functions of either standard, in order of use. */
-#define FMI2(use) \
+#define FMI2(use)                                                                                                    \
     use(Instantiate) use(FreeInstance) use(SetupExperiment) use(EnterInitializationMode) use(ExitInitializationMode) \
-    use(Reset) use(SetReal) use(GetReal) use(DoStep) use(GetFMUstate) use(SetFMUstate) use(FreeFMUstate) \
-    use(SerializedFMUstateSize) use(SerializeFMUstate) use(DeSerializeFMUstate)
-#define FMI3(use) \
-    use(InstantiateCoSimulation) use(FreeInstance) use(EnterInitializationMode) use(ExitInitializationMode) \
-    use(Reset) use(SetFloat64) use(GetFloat64) use(DoStep) use(GetFMUState) use(SetFMUState) use(FreeFMUState) \
-    use(SerializedFMUStateSize) use(SerializeFMUState) use(DeserializeFMUState)
+        use(Reset) use(SetReal) use(GetReal) use(DoStep) use(GetFMUstate) use(SetFMUstate) use(FreeFMUstate)         \
+            use(SerializedFMUstateSize) use(SerializeFMUstate) use(DeSerializeFMUstate)
+#define FMI3(use)                                                                                                      \
+    use(InstantiateCoSimulation) use(FreeInstance) use(EnterInitializationMode) use(ExitInitializationMode) use(Reset) \
+        use(SetFloat64) use(GetFloat64) use(DoStep) use(GetFMUState) use(SetFMUState) use(FreeFMUState)                \
+            use(SerializedFMUStateSize) use(SerializeFMUState) use(DeserializeFMUState)
 #define POINTER2(name) fmi2##name##TYPE *name;
 #define POINTER3(name) fmi3##name##TYPE *name;
-static struct { FMI2(POINTER2) } two; /* of the one library that a host loads */
-static struct { FMI3(POINTER3) } three;
+static struct {
+    FMI2(POINTER2)
+} two; /* of the one library that a host loads */
+static struct {
+    FMI3(POINTER3)
+} three;
 static fmi2CallbackFunctions callbacks = {print2, calloc, free, NULL, NULL};
 
 static bool find(void *library, const char *name, void *pointer)
 {
     *(void **)pointer = dlsym(library, name); /* the way POSIX offers from an object to a function pointer */
-    if (!*(void **)pointer)
-        fprintf(stderr, "the library has no %s\n", name);
+    if (!*(void **)pointer) fprintf(stderr, "the library has no %s\n", name);
     return *(void **)pointer != NULL;
 }
 
 bool fmu_load(Fmu *fmu, const char *path, int version, const char *token)
 {
-    bool found = true;
+    bool complete = true;
     fmu->version = version;
     fmu->token = token;
     fmu->silent = false;
@@ -64,14 +64,14 @@ bool fmu_load(Fmu *fmu, const char *path, int version, const char *token)
         fprintf(stderr, "%s\n", dlerror());
         return false;
     }
-#define FIND2(name) found = find(fmu->library, "fmi2" #name, &two.name) && found;
-#define FIND3(name) found = find(fmu->library, "fmi3" #name, &three.name) && found;
+#define FIND2(name) complete = find(fmu->library, "fmi2" #name, &two.name) && complete;
+#define FIND3(name) complete = find(fmu->library, "fmi3" #name, &three.name) && complete;
     if (version == 2) {
         FMI2(FIND2)
     } else {
         FMI3(FIND3)
     }
-    return found;
+    return complete;
 }
 
 void fmu_unload(Fmu *fmu) { dlclose(fmu->library); }
@@ -79,8 +79,8 @@ void fmu_unload(Fmu *fmu) { dlclose(fmu->library); }
 void *fmu_instantiate(const Fmu *fmu, const char *name)
 {
     if (fmu->version == 3)
-        return three.InstantiateCoSimulation(name, fmu->token, NULL, false, true, false, false, NULL, 0, (void *)fmu, print3,
-                                             NULL);
+        return three.InstantiateCoSimulation(name, fmu->token, NULL, false, true, false, false, NULL, 0, (void *)fmu,
+                                             print3, NULL);
     return two.Instantiate(name, fmi2CoSimulation, fmu->token, "", &callbacks, fmi2False, fmi2True);
 }
 

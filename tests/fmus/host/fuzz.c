@@ -1,10 +1,10 @@
-/* Hostile random calls of the FMI 2 and FMI 3 layers, for the sanitizers: wrong order, wrong references, wrong sizes, null
- * pointers, NaN, damaged states.
+/* Hostile random calls of the FMI 2 and FMI 3 layers, for the sanitizers: wrong order, wrong references, wrong sizes,
+ * null pointers, NaN, damaged states.
  *
  *     fuzz SEED CALLS
  *
- * Beside not crashing and not leaking: no status is Fatal (there is memory), OK only where the order of calls allows it,
- * no number that comes with OK is infinite or NaN, and a refused setting changes nothing. */
+ * Beside not crashing and not leaking: no status is Fatal (there is memory), OK only where the order of calls allows
+ * it, no number that comes with OK is infinite or NaN, and a refused setting changes nothing. */
 #include "fuzz.h"
 
 #include <float.h>
@@ -40,10 +40,8 @@ double hostile(void)
 
 double number(double usual)
 {
-    if (chance(0.02))
-        return hostile();
-    if (chance(0.05))
-        return pow(10.0, 12.0 * uniform() - 6.0) * (chance(0.5) ? 1.0 : -1.0);
+    if (chance(0.02)) return hostile();
+    if (chance(0.05)) return pow(10.0, 12.0 * uniform() - 6.0) * (chance(0.5) ? 1.0 : -1.0);
     return usual * (chance(0.5) ? 1.0 : 0.5 + uniform());
 }
 
@@ -73,8 +71,7 @@ void draw(Call *call)
 
 static void verify(bool condition, const char *what, const char *how)
 {
-    if (condition)
-        return;
+    if (condition) return;
     fprintf(stderr, "call %ld: %s%s\n", calls, what, how);
     abort();
 }
@@ -88,8 +85,7 @@ int judge(const char *what, int status, bool legal, const double *results, size_
     if (status == OK) {
         verify(legal, what, ": OK where it may not be called so");
         accepted++;
-        for (size_t i = 0; i < count; i++)
-            verify(isfinite(results[i]), what, ": OK with a number that is not finite");
+        for (size_t i = 0; i < count; i++) verify(isfinite(results[i]), what, ": OK with a number that is not finite");
     }
     return status;
 }

@@ -18,12 +18,12 @@ typedef struct {
     size_t count, other_count;
 } Call;
 
-double uniform(void);               /* 0 to 1 */
+double uniform(void); /* 0 to 1 */
 bool chance(double probability);
 unsigned below(unsigned bound);
-double hostile(void);               /* NaN, infinite, huge, tiny */
-double number(double usual);        /* about `usual`, rarely hostile */
-void draw(Call *);                  /* references mostly of variables, values that mostly fit them */
+double hostile(void);        /* NaN, infinite, huge, tiny */
+double number(double usual); /* about `usual`, rarely hostile */
+void draw(Call *);           /* references mostly of variables, values that mostly fit them */
 
 /* Ends the program with the call's name if what it says is against the standard or the contract. */
 void check(bool condition, const char *what);

@@ -31,15 +31,15 @@ static void listen(fmi2ComponentEnvironment environment, fmi2String instance, fm
     (void)environment, (void)instance;
     check(status == fmi2Discard || status == fmi2Error, "a message with another status");
     va_start(arguments, message);
-    check(strncmp(category, "logStatus", 9) == 0 && vsnprintf(text, sizeof text, message, arguments) > 0, "an empty message");
+    check(strncmp(category, "logStatus", 9) == 0 && vsnprintf(text, sizeof text, message, arguments) > 0,
+          "an empty message");
     va_end(arguments);
 }
 
 void end2(void)
 {
     for (int i = 0; now.it && i < SLOTS; i++)
-        if (now.slot[i].state)
-            check(fmi2FreeFMUstate(now.it, &now.slot[i].state) == fmi2OK, "fmi2FreeFMUstate");
+        if (now.slot[i].state) check(fmi2FreeFMUstate(now.it, &now.slot[i].state) == fmi2OK, "fmi2FreeFMUstate");
     fmi2FreeInstance(now.it);
     memset(&now, 0, sizeof now);
 }
@@ -64,8 +64,7 @@ static bool at(Stage stage) { return now.stage == stage || now.stage == UNSURE; 
 
 static void move(Stage stage)
 {
-    if (now.stage != UNSURE)
-        now.stage = stage;
+    if (now.stage != UNSURE) now.stage = stage;
 }
 
 static void order(void)
@@ -73,23 +72,28 @@ static void order(void)
     const double start = number(0.0), stop = number(20.0);
     switch (below(9)) {
     case 0:
-        if (judge("fmi2SetupExperiment", fmi2SetupExperiment(it(), fmi2False, 0.0, start, chance(0.3), stop), at(CREATED),
-                  NULL, 0) == fmi2OK)
+        if (judge("fmi2SetupExperiment", fmi2SetupExperiment(it(), fmi2False, 0.0, start, chance(0.3), stop),
+                  at(CREATED), NULL, 0)
+            == fmi2OK)
             now.time = start;
         break;
-    case 1: case 2: case 3:
+    case 1:
+    case 2:
+    case 3:
         if (judge("fmi2EnterInitializationMode", fmi2EnterInitializationMode(it()), at(CREATED), NULL, 0) == fmi2OK)
             move(INITIALIZING_NOW);
         break;
-    case 4: case 5: case 6:
-        if (judge("fmi2ExitInitializationMode", fmi2ExitInitializationMode(it()), at(INITIALIZING_NOW), NULL, 0) == fmi2OK) {
+    case 4:
+    case 5:
+    case 6:
+        if (judge("fmi2ExitInitializationMode", fmi2ExitInitializationMode(it()), at(INITIALIZING_NOW), NULL, 0)
+            == fmi2OK) {
             move(RUNNING);
             now.continuous = false;
         }
         break;
     case 7:
-        if (chance(0.3) && judge("fmi2Terminate", fmi2Terminate(it()), at(RUNNING), NULL, 0) == fmi2OK)
-            move(ENDED);
+        if (chance(0.3) && judge("fmi2Terminate", fmi2Terminate(it()), at(RUNNING), NULL, 0) == fmi2OK) move(ENDED);
         break;
     default:
         if (chance(0.3) && fmi2Reset(it()) == fmi2OK) {
@@ -104,8 +108,7 @@ static size_t state_bytes(fmi2Byte *bytes, size_t room)
 {
     fmi2FMUstate state = NULL;
     size_t size = 0;
-    if (fmi2GetFMUstate(now.it, &state) != fmi2OK)
-        return 0; /* with parameters that make no sense there is none */
+    if (fmi2GetFMUstate(now.it, &state) != fmi2OK) return 0; /* with parameters that make no sense there is none */
     check(fmi2SerializedFMUstateSize(now.it, state, &size) == fmi2OK && size <= room, "fmi2SerializedFMUstateSize");
     check(fmi2SerializeFMUstate(now.it, state, bytes, size) == fmi2OK, "fmi2SerializeFMUstate");
     check(fmi2FreeFMUstate(now.it, &state) == fmi2OK && !state, "fmi2FreeFMUstate");
@@ -119,7 +122,9 @@ static void values(Call *c)
     if (chance(0.5)) {
         const size_t size = state_bytes(before, sizeof before);
         if (judge("fmi2SetReal", fmi2SetReal(it(), references, c->count, chance(0.99) ? c->values : NULL),
-                  now.stage != ENDED || c->count == 0, NULL, 0) != fmi2OK && size > 0)
+                  now.stage != ENDED || c->count == 0, NULL, 0)
+                != fmi2OK
+            && size > 0)
             check(state_bytes(after, sizeof after) == size && memcmp(before, after, size) == 0,
                   "a refused fmi2SetReal changed something");
     } else
@@ -131,7 +136,8 @@ static void derivatives(Call *c)
     switch (below(3)) {
     case 0:
         judge("fmi2GetDirectionalDerivative",
-              fmi2GetDirectionalDerivative(it(), c->references, c->count, c->others, c->other_count, c->values, c->results),
+              fmi2GetDirectionalDerivative(it(), c->references, c->count, c->others, c->other_count, c->values,
+                                           c->results),
               now.stage != CREATED, c->results, c->count);
         break;
     case 1:
@@ -167,24 +173,24 @@ static void exchange(Call *c)
     double time;
     switch (below(10)) {
     case 0:
-        if (judge("fmi2EnterEventMode", fmi2EnterEventMode(it()), here, NULL, 0) == fmi2OK)
-            now.continuous = false;
+        if (judge("fmi2EnterEventMode", fmi2EnterEventMode(it()), here, NULL, 0) == fmi2OK) now.continuous = false;
         break;
-    case 1: case 2:
+    case 1:
+    case 2:
         if (judge("fmi2EnterContinuousTimeMode", fmi2EnterContinuousTimeMode(it()), between, NULL, 0) == fmi2OK)
             now.continuous = true;
         break;
     case 3:
         time = number(now.time + 0.1);
-        if (judge("fmi2SetTime", fmi2SetTime(it(), time), here, NULL, 0) == fmi2OK)
-            now.time = time;
+        if (judge("fmi2SetTime", fmi2SetTime(it(), time), here, NULL, 0) == fmi2OK) now.time = time;
         break;
     case 4:
-        judge("fmi2SetContinuousStates", fmi2SetContinuousStates(it(), c->values, count), inside && count == states, NULL, 0);
+        judge("fmi2SetContinuousStates", fmi2SetContinuousStates(it(), c->values, count), inside && count == states,
+              NULL, 0);
         break;
     case 5:
-        judge("fmi2GetContinuousStates", fmi2GetContinuousStates(it(), c->results, count), now.exchange && count == states,
-              c->results, count);
+        judge("fmi2GetContinuousStates", fmi2GetContinuousStates(it(), c->results, count),
+              now.exchange && count == states, c->results, count);
         break;
     case 6:
         judge("fmi2GetDerivatives", fmi2GetDerivatives(it(), c->results, count), now.exchange && count == states,
@@ -195,10 +201,10 @@ static void exchange(Call *c)
               now.exchange && indicators == (size_t)towage_unit.indicators, c->results, indicators);
         break;
     case 8:
-        judge("fmi2CompletedIntegratorStep", fmi2CompletedIntegratorStep(it(), fmi2True, flags, flags + 1), inside, NULL, 0);
+        judge("fmi2CompletedIntegratorStep", fmi2CompletedIntegratorStep(it(), fmi2True, flags, flags + 1), inside,
+              NULL, 0);
         break;
-    default:
-        judge("fmi2NewDiscreteStates", fmi2NewDiscreteStates(it(), &info), between, NULL, 0);
+    default: judge("fmi2NewDiscreteStates", fmi2NewDiscreteStates(it(), &info), between, NULL, 0);
     }
 }
 
@@ -207,8 +213,7 @@ static void state(void)
     const unsigned i = below(SLOTS);
     fmi2Byte bytes[1 << 16];
     fmi2FMUstate damaged = NULL;
-    if (now.stage == UNSURE)
-        return;
+    if (now.stage == UNSURE) return;
     if (chance(0.4)) {
         if (judge("fmi2GetFMUstate", fmi2GetFMUstate(it(), &now.slot[i].state), true, NULL, 0) == fmi2OK) {
             now.slot[i].stage = now.stage;
@@ -223,14 +228,13 @@ static void state(void)
         }
     } else {
         const size_t size = state_bytes(bytes, sizeof bytes);
-        if (size == 0)
-            return;
+        if (size == 0) return;
         bytes[below((unsigned)size)] ^= (fmi2Byte)(1 << below(8));
         if (judge("fmi2DeSerializeFMUstate",
                   fmi2DeSerializeFMUstate(it(), bytes, chance(0.9) ? size : below((unsigned)size + 1), &damaged), true,
-                  NULL, 0) == fmi2OK) {
-            if (judge("fmi2SetFMUstate", fmi2SetFMUstate(now.it, damaged), true, NULL, 0) == fmi2OK)
-                now.stage = UNSURE;
+                  NULL, 0)
+            == fmi2OK) {
+            if (judge("fmi2SetFMUstate", fmi2SetFMUstate(now.it, damaged), true, NULL, 0) == fmi2OK) now.stage = UNSURE;
             check(fmi2FreeFMUstate(now.it, &damaged) == fmi2OK, "fmi2FreeFMUstate");
         }
     }
@@ -244,7 +248,8 @@ static void other(Call *c)
     judge("fmi2SetBoolean", fmi2SetBoolean(it(), c->references, c->count, integers), c->count == 0, NULL, 0);
     judge("fmi2GetString", fmi2GetString(it(), c->references, c->count, strings), c->count == 0, NULL, 0);
     judge("fmi2CancelStep", fmi2CancelStep(it()), false, NULL, 0);
-    judge("fmi2SetDebugLogging", fmi2SetDebugLogging(it(), fmi2True, below(2), chance(0.9) ? &category : NULL), true, NULL, 0);
+    judge("fmi2SetDebugLogging", fmi2SetDebugLogging(it(), fmi2True, below(2), chance(0.9) ? &category : NULL), true,
+          NULL, 0);
 }
 
 void play2(void)
@@ -257,10 +262,12 @@ void play2(void)
     }
     switch (below(8)) {
     case 0: order(); break;
-    case 1: case 2: values(&call); break;
+    case 1:
+    case 2: values(&call); break;
     case 3: derivatives(&call); break;
     case 4: state(); break;
-    case 5: case 6: now.exchange ? exchange(&call) : step(); break;
+    case 5:
+    case 6: now.exchange ? exchange(&call) : step(); break;
     default: chance(0.9) ? order() : other(&call);
     }
 }

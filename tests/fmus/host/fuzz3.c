@@ -30,8 +30,7 @@ static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3S
 void end3(void)
 {
     for (int i = 0; now.it && i < SLOTS; i++)
-        if (now.slot[i].state)
-            check(fmi3FreeFMUState(now.it, &now.slot[i].state) == fmi3OK, "fmi3FreeFMUState");
+        if (now.slot[i].state) check(fmi3FreeFMUState(now.it, &now.slot[i].state) == fmi3OK, "fmi3FreeFMUState");
     fmi3FreeInstance(now.it);
     memset(&now, 0, sizeof now);
 }
@@ -39,7 +38,8 @@ void end3(void)
 static void create(void)
 {
     const bool wrong = chance(0.02), events = chance(0.02);
-    const char *token = wrong ? (chance(0.5) ? NULL : "{}") : towage_unit.token, *name = chance(0.05) ? NULL : "100%s%n";
+    const char *token = wrong ? (chance(0.5) ? NULL : "{}") : towage_unit.token,
+               *name = chance(0.05) ? NULL : "100%s%n";
     end3();
     now.exchange = chance(0.5);
     now.it = now.exchange ? fmi3InstantiateModelExchange(name, token, NULL, false, true, NULL, listen)
@@ -56,8 +56,7 @@ static bool at(Stage stage) { return now.stage == stage || now.stage == UNSURE; 
 
 static void move(Stage stage)
 {
-    if (now.stage != UNSURE)
-        now.stage = stage;
+    if (now.stage != UNSURE) now.stage = stage;
 }
 
 static void order(void)
@@ -65,22 +64,27 @@ static void order(void)
     const double start = number(0.0), stop = number(20.0);
     const bool stops = chance(0.3);
     switch (below(8)) {
-    case 0: case 1: case 2:
+    case 0:
+    case 1:
+    case 2:
         if (judge("fmi3EnterInitializationMode", fmi3EnterInitializationMode(it(), false, 0.0, start, stops, stop),
-                  at(CREATED), NULL, 0) == fmi3OK) {
+                  at(CREATED), NULL, 0)
+            == fmi3OK) {
             move(INITIALIZING_NOW);
             now.time = start;
         }
         break;
-    case 3: case 4: case 5:
-        if (judge("fmi3ExitInitializationMode", fmi3ExitInitializationMode(it()), at(INITIALIZING_NOW), NULL, 0) == fmi3OK) {
+    case 3:
+    case 4:
+    case 5:
+        if (judge("fmi3ExitInitializationMode", fmi3ExitInitializationMode(it()), at(INITIALIZING_NOW), NULL, 0)
+            == fmi3OK) {
             move(RUNNING);
             now.continuous = false;
         }
         break;
     case 6:
-        if (chance(0.3) && judge("fmi3Terminate", fmi3Terminate(it()), at(RUNNING), NULL, 0) == fmi3OK)
-            move(ENDED);
+        if (chance(0.3) && judge("fmi3Terminate", fmi3Terminate(it()), at(RUNNING), NULL, 0) == fmi3OK) move(ENDED);
         break;
     default:
         if (chance(0.3) && fmi3Reset(it()) == fmi3OK) {
@@ -95,8 +99,7 @@ static size_t state_bytes(fmi3Byte *bytes, size_t room)
 {
     fmi3FMUState state = NULL;
     size_t size = 0;
-    if (fmi3GetFMUState(now.it, &state) != fmi3OK)
-        return 0; /* with parameters that make no sense there is none */
+    if (fmi3GetFMUState(now.it, &state) != fmi3OK) return 0; /* with parameters that make no sense there is none */
     check(fmi3SerializedFMUStateSize(now.it, state, &size) == fmi3OK && size <= room, "fmi3SerializedFMUStateSize");
     check(fmi3SerializeFMUState(now.it, state, bytes, size) == fmi3OK, "fmi3SerializeFMUState");
     check(fmi3FreeFMUState(now.it, &state) == fmi3OK && !state, "fmi3FreeFMUState");
@@ -111,7 +114,9 @@ static void values(Call *c)
     if (chance(0.5)) {
         const size_t size = state_bytes(before, sizeof before);
         if (judge("fmi3SetFloat64", fmi3SetFloat64(it(), references, c->count, chance(0.99) ? c->values : NULL, given),
-                  now.stage != ENDED || c->count == 0, NULL, 0) != fmi3OK && size > 0)
+                  now.stage != ENDED || c->count == 0, NULL, 0)
+                != fmi3OK
+            && size > 0)
             check(state_bytes(after, sizeof after) == size && memcmp(before, after, size) == 0,
                   "a refused fmi3SetFloat64 changed something");
         return;
@@ -119,27 +124,33 @@ static void values(Call *c)
     size_t expected = 0;
     for (size_t i = 0; i < c->count; i++) {
         const unsigned r = c->references[i], variables = (unsigned)towage_unit.variables;
-        expected += r < variables ? (towage_unit.length ? (size_t)towage_unit.length[r] : 1)
-                                  : r == variables ? 1 : r == variables + 1 ? (size_t)towage_unit.indicators : 0;
+        expected += r < variables        ? (towage_unit.length ? (size_t)towage_unit.length[r] : 1)
+                    : r == variables     ? 1
+                    : r == variables + 1 ? (size_t)towage_unit.indicators
+                                         : 0;
     }
     const size_t asked = chance(0.9) && expected <= MOST_VALUES ? expected : given;
-    judge("fmi3GetFloat64", fmi3GetFloat64(it(), references, c->count, c->results, asked), asked == expected, c->results, asked);
+    judge("fmi3GetFloat64", fmi3GetFloat64(it(), references, c->count, c->results, asked), asked == expected,
+          c->results, asked);
 }
 
 static void derivatives(Call *c)
 {
-    const size_t seeds = chance(0.97) ? c->other_count : below(MOST_VALUES), results = chance(0.97) ? c->count : below(9);
+    const size_t seeds = chance(0.97) ? c->other_count : below(MOST_VALUES),
+                 results = chance(0.97) ? c->count : below(9);
     const bool legal = now.stage != CREATED;
     switch (below(3)) {
     case 0:
         judge("fmi3GetDirectionalDerivative",
               fmi3GetDirectionalDerivative(it(), c->references, c->count, c->others, c->other_count, c->values, seeds,
-                                           c->results, results), legal, c->results, results);
+                                           c->results, results),
+              legal, c->results, results);
         break;
     case 1:
         judge("fmi3GetAdjointDerivative",
               fmi3GetAdjointDerivative(it(), c->others, c->other_count, c->references, c->count, c->values, seeds,
-                                       c->results, results), legal, c->results, results);
+                                       c->results, results),
+              legal, c->results, results);
         break;
     default:
         judge("fmi3GetOutputDerivatives",
@@ -154,7 +165,8 @@ static void step(void)
     bool events = true, terminate = true, early = true;
     double last = -1.0;
     fmi3Instance component = it();
-    const int status = fmi3DoStep(component, from, size, true, &events, &terminate, &early, chance(0.99) ? &last : NULL);
+    const int status =
+        fmi3DoStep(component, from, size, true, &events, &terminate, &early, chance(0.99) ? &last : NULL);
     judge("fmi3DoStep", status, at(RUNNING) && !now.exchange && !events && !terminate && !early, NULL, 0);
     if (status == fmi3OK)
         now.time = last;
@@ -172,24 +184,24 @@ static void exchange(Call *c)
     const size_t indicators = chance(0.95) ? (size_t)towage_unit.indicators : below(9);
     switch (below(9)) {
     case 0:
-        if (judge("fmi3EnterEventMode", fmi3EnterEventMode(it()), inside, NULL, 0) == fmi3OK)
-            now.continuous = false;
+        if (judge("fmi3EnterEventMode", fmi3EnterEventMode(it()), inside, NULL, 0) == fmi3OK) now.continuous = false;
         break;
-    case 1: case 2:
+    case 1:
+    case 2:
         if (judge("fmi3EnterContinuousTimeMode", fmi3EnterContinuousTimeMode(it()), between, NULL, 0) == fmi3OK)
             now.continuous = true;
         break;
     case 3:
         time = number(now.time + 0.1);
-        if (judge("fmi3SetTime", fmi3SetTime(it(), time), here, NULL, 0) == fmi3OK)
-            now.time = time;
+        if (judge("fmi3SetTime", fmi3SetTime(it(), time), here, NULL, 0) == fmi3OK) now.time = time;
         break;
     case 4:
-        judge("fmi3SetContinuousStates", fmi3SetContinuousStates(it(), c->values, count), inside && count == states, NULL, 0);
+        judge("fmi3SetContinuousStates", fmi3SetContinuousStates(it(), c->values, count), inside && count == states,
+              NULL, 0);
         break;
     case 5:
-        judge("fmi3GetContinuousStates", fmi3GetContinuousStates(it(), c->results, count), now.exchange && count == states,
-              c->results, count);
+        judge("fmi3GetContinuousStates", fmi3GetContinuousStates(it(), c->results, count),
+              now.exchange && count == states, c->results, count);
         break;
     case 6:
         judge("fmi3GetContinuousStateDerivatives", fmi3GetContinuousStateDerivatives(it(), c->results, count),
@@ -200,8 +212,9 @@ static void exchange(Call *c)
               now.exchange && indicators == (size_t)towage_unit.indicators, c->results, indicators);
         break;
     default:
-        judge("fmi3UpdateDiscreteStates", fmi3UpdateDiscreteStates(it(), flags, flags + 1, flags + 2, flags + 3, flags + 4,
-                                                                   &time), between, NULL, 0);
+        judge("fmi3UpdateDiscreteStates",
+              fmi3UpdateDiscreteStates(it(), flags, flags + 1, flags + 2, flags + 3, flags + 4, &time), between, NULL,
+              0);
     }
 }
 
@@ -210,8 +223,7 @@ static void state(void)
     const unsigned i = below(SLOTS);
     fmi3Byte bytes[1 << 16];
     fmi3FMUState damaged = NULL;
-    if (now.stage == UNSURE)
-        return;
+    if (now.stage == UNSURE) return;
     if (chance(0.4)) {
         if (judge("fmi3GetFMUState", fmi3GetFMUState(it(), &now.slot[i].state), true, NULL, 0) == fmi3OK) {
             now.slot[i].stage = now.stage;
@@ -226,14 +238,13 @@ static void state(void)
         }
     } else {
         const size_t size = state_bytes(bytes, sizeof bytes);
-        if (size == 0)
-            return;
+        if (size == 0) return;
         bytes[below((unsigned)size)] ^= (fmi3Byte)(1u << below(8));
         if (judge("fmi3DeserializeFMUState",
                   fmi3DeserializeFMUState(it(), bytes, chance(0.9) ? size : below((unsigned)size + 1), &damaged), true,
-                  NULL, 0) == fmi3OK) {
-            if (judge("fmi3SetFMUState", fmi3SetFMUState(now.it, damaged), true, NULL, 0) == fmi3OK)
-                now.stage = UNSURE;
+                  NULL, 0)
+            == fmi3OK) {
+            if (judge("fmi3SetFMUState", fmi3SetFMUState(now.it, damaged), true, NULL, 0) == fmi3OK) now.stage = UNSURE;
             check(fmi3FreeFMUState(now.it, &damaged) == fmi3OK, "fmi3FreeFMUState");
         }
     }
@@ -250,7 +261,8 @@ static void other(Call *c)
     judge("fmi3GetString", fmi3GetString(it(), c->references, n, strings, n), n == 0, NULL, 0);
     judge("fmi3EnterConfigurationMode", fmi3EnterConfigurationMode(it()), false, NULL, 0);
     judge("fmi3EnterStepMode", fmi3EnterStepMode(it()), false, NULL, 0);
-    judge("fmi3SetDebugLogging", fmi3SetDebugLogging(it(), true, below(2), chance(0.9) ? &category : NULL), true, NULL, 0);
+    judge("fmi3SetDebugLogging", fmi3SetDebugLogging(it(), true, below(2), chance(0.9) ? &category : NULL), true, NULL,
+          0);
 }
 
 void play3(void)
@@ -263,10 +275,12 @@ void play3(void)
     }
     switch (below(8)) {
     case 0: order(); break;
-    case 1: case 2: values(&call); break;
+    case 1:
+    case 2: values(&call); break;
     case 3: derivatives(&call); break;
     case 4: state(); break;
-    case 5: case 6: now.exchange ? exchange(&call) : step(); break;
+    case 5:
+    case 6: now.exchange ? exchange(&call) : step(); break;
     default: chance(0.9) ? order() : other(&call);
     }
 }

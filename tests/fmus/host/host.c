@@ -17,13 +17,13 @@
  *
  * Ends with 0, or with 1 and a line that says what was wrong. */
 #define _POSIX_C_SOURCE 200809L
+#include "fmu.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
-#include "fmu.h"
 
 enum { MOST = 64, ORDERS = 4 };
 
@@ -38,8 +38,7 @@ static Fmu fmu;
 
 static void must(bool condition, const char *what)
 {
-    if (condition)
-        return;
+    if (condition) return;
     fprintf(stderr, "%s\n", what);
     exit(1);
 }
@@ -60,9 +59,10 @@ static void read_script(void)
             script.starts++;
         } else if (strcmp(word, "sine") == 0) {
             must(sscanf(rest, "%u %lf %lf %u", &script.input[ORDERS * i], &script.amplitude[i], &script.frequency[i],
-                        &first) == 4, line);
-            for (unsigned k = 1; k < ORDERS; k++)
-                script.input[ORDERS * i + k] = first + k - 1;
+                        &first)
+                     == 4,
+                 line);
+            for (unsigned k = 1; k < ORDERS; k++) script.input[ORDERS * i + k] = first + k - 1;
             script.inputs++;
         } else if (strcmp(word, "get") == 0) {
             for (; sscanf(rest, "%u%n", &first, &used) == 1; rest += used) {
@@ -121,8 +121,7 @@ static void run(void)
     for (int k = 0; k < script.count; k++) {
         step(it, k, seen);
         printf("%a", (k + 1) * script.size);
-        for (size_t i = 0; i < script.gets; i++)
-            printf(" %a", seen[i]);
+        for (size_t i = 0; i < script.gets; i++) printf(" %a", seen[i]);
         putchar('\n');
     }
     fmu_free(&fmu, it);
@@ -139,8 +138,7 @@ static void states(void)
         size_t size;
         step(it, k, here);
         OK(fmu_get_state(&fmu, it, &state));
-        for (int a = 0; a < AHEAD; a++)
-            step(it, k + 1 + a, expected[a]);
+        for (int a = 0; a < AHEAD; a++) step(it, k + 1 + a, expected[a]);
         OK(fmu_state_size(&fmu, it, state, &size));
         char *bytes = malloc(size), *again = malloc(size);
         must(bytes && again, "no memory");
@@ -174,8 +172,7 @@ static void many(int number)
     double expected[MOST], seen[MOST];
     void *alone = begin(), **its = malloc((size_t)number * sizeof *its);
     must(its != NULL, "no memory");
-    for (int n = 0; n < number; n++)
-        its[n] = begin();
+    for (int n = 0; n < number; n++) its[n] = begin();
     for (int k = 0; k < script.count; k++) {
         step(alone, k, expected);
         for (int n = 0; n < number; n++) {
@@ -183,8 +180,7 @@ static void many(int number)
             must(same(seen, expected), "instances differ");
         }
     }
-    for (int n = 0; n < number; n++)
-        fmu_free(&fmu, its[n]);
+    for (int n = 0; n < number; n++) fmu_free(&fmu, its[n]);
     fmu_free(&fmu, alone);
     free(its);
 }
@@ -235,8 +231,7 @@ static void measure(int number)
     void *it = begin();
     for (int batch = 0, k = 0; batch < 5; batch++) {
         double start = now();
-        for (int n = 0; n < number; n++)
-            step(it, k++, seen);
+        for (int n = 0; n < number; n++) step(it, k++, seen);
         least = fmin(least, (now() - start) / number);
     }
     printf("%.4f\n", 1e6 * least);

@@ -1,0 +1,43 @@
+/* What an instance of a unit holds, and what its functions return: an Outcome, with the message in `message`. */
+#ifndef TOWAGE_INSTANCE_H
+#define TOWAGE_INSTANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "unit.h"
+
+typedef enum { DONE, REFUSED, NO_STEP, NO_MEMORY } Outcome; /* REFUSED: CallError; NO_STEP: StepError of instance.py */
+typedef enum { CO_SIMULATION, MODEL_EXCHANGE } Kind;
+
+typedef struct Instance Instance;
+typedef struct Solver Solver; /* linear/solver.h: what a linear unit computed from its parameters */
+
+struct Instance {
+    const Unit *unit;
+    Kind kind;
+    Phase phase;
+    double time, stop_time, offset, first_step;
+    bool touched, fresh, frozen, stale; /* stale: a parameter changed, constants are computed before the next use */
+    bool continuous;                    /* model exchange: continuous-time mode, otherwise event mode */
+    double *values; /* all variables but states and their derivatives, which have their place unused */
+    double *x, *m;  /* continuous state as stepped (reduced where reduced), modes */
+    double *p, *c;  /* parameters in force (with integration_tolerance), constants */
+    double *k;      /* cubics of the inputs */
+    Solver *solver;
+    char message[1024];
+    /* work space */
+    const double **arguments;
+    double **results;
+    Integer *iw;
+    double *w;
+    double *u, *du, *ddu;                            /* inputs and their derivatives at the point that is looked at */
+    double *next_x, *next_m;                         /* results of a transition */
+    double *kept_x, *kept_m, *kept_p;                /* what a refused step or parameter goes back to */
+    double *seed_x, *seed_u, *seed_du;               /* directional derivatives */
+    double *sensed_outputs, *sensed_rates, *scratch; /* scratch: of the integrator, of requirements */
+};
+
+static inline bool is_finite(double value) { return value - value == 0.0; }
+
+#endif

@@ -1,0 +1,112 @@
+/* The full state in one block: what cannot be computed again from the rest. Outputs are not in it, and constants only
+ * in the form of the parameters that they follow from. */
+#include "calls.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "message.h"
+#include "parameters.h"
+#include "transition.h"
+
+typedef struct {
+    uint64_t identity;
+    double time, stop_time, offset, first_step;
+    int32_t phase, touched, stale, continuous;
+} Head;
+
+/* FNV-1a over the unit's token and the kind of instance: a block of another build, or of the other kind, is refused. */
+static uint64_t identity(const Instance *it)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (const char *c = it->unit->token; *c; c++) hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+    return (hash ^ (uint64_t)it->kind) * 1099511628211u;
+}
+
+typedef struct {
+    size_t states, modes, values; /* bytes; values: all up to the outputs */
+} Sizes;
+
+static Sizes sizes(const Unit *unit)
+{
+    const Sizes s = {(size_t)unit->states * sizeof(double), (size_t)unit->modes * sizeof(double),
+                     (size_t)unit->first.observed * sizeof(double)};
+    return s;
+}
+
+size_t instance_state_size(const Instance *it)
+{
+    const Sizes s = sizes(it->unit);
+    return sizeof(Head) + s.states + s.modes + s.values;
+}
+
+Outcome instance_save(Instance *it, void *block)
+{
+    const Sizes s = sizes(it->unit);
+    char *to = block;
+    if (it->phase == FAILED)
+        return refuse(it, REFUSED, "the state of an instance that failed is of no use: reset it, or free it");
+    if (it->stale && it->phase >= STEPPING) {
+        const Outcome outcome = retune(it);
+        if (outcome != DONE) return outcome;
+    }
+    Head head = {.identity = identity(it),
+                 .time = it->time,
+                 .stop_time = it->stop_time,
+                 .offset = it->offset,
+                 .first_step = it->first_step,
+                 .phase = (int32_t)it->phase,
+                 .touched = it->touched,
+                 .stale = it->stale,
+                 .continuous = it->continuous};
+    memcpy(to, &head, sizeof head);
+    memcpy(to += sizeof head, it->x, s.states);
+    memcpy(to += s.states, it->m, s.modes);
+    memcpy(to += s.modes, it->values, s.values);
+    return DONE;
+}
+
+/* Damage is not always seen, but no number that is not finite comes in. */
+static bool finite_numbers(const char *from, size_t size)
+{
+    for (double number; size > 0; size -= sizeof number, from += sizeof number) {
+        memcpy(&number, from, sizeof number);
+        if (!is_finite(number)) return false;
+    }
+    return true;
+}
+
+Outcome instance_restore(Instance *it, const void *block, size_t size)
+{
+    const Unit *unit = it->unit;
+    const Sizes s = sizes(unit);
+    const size_t parameters = (size_t)unit->first.calculated * sizeof(double);
+    const char *from = block;
+    Head head;
+    if (size == instance_state_size(it)) memcpy(&head, from, sizeof head);
+    if (size != instance_state_size(it) || head.identity != identity(it) || head.phase < INSTANTIATED
+        || head.phase >= FAILED || !finite_numbers((const char *)&head.time, 4 * sizeof head.time)
+        || !finite_numbers(from + sizeof head, size - sizeof head))
+        return refuse(it, REFUSED, "this is not a state of %s", unit->name);
+    if (it->phase == FAILED) return refuse(it, REFUSED, "the instance failed before: reset it, or free it");
+    const char *const values = from + sizeof head + s.states + s.modes;
+    const bool other = it->stale || memcmp(it->values, values, parameters) != 0;
+    memcpy(it->values, values, s.values);
+    if (other && !head.stale) {
+        const Outcome outcome = compute_constants(it);
+        if (outcome != DONE) return outcome;
+    }
+    it->stale = head.stale;
+    memcpy(it->x, from += sizeof head, s.states);
+    memcpy(it->m, from + s.states, s.modes);
+    it->phase = (Phase)head.phase;
+    it->time = head.time;
+    it->stop_time = head.stop_time;
+    it->offset = head.offset;
+    it->first_step = head.first_step;
+    it->touched = head.touched;
+    it->continuous = head.continuous;
+    it->fresh = false;
+    cubics(it);
+    return DONE;
+}

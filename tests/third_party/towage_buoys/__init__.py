@@ -1,0 +1,1 @@
+"""What another package may bring to towage: a unit, a scheme, a check and a writer."""

@@ -1,0 +1,68 @@
+"""Numbers of a motion that is known at times: its frequency, amplitude and peak, and whether it repeats."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+PADDING = 8
+"""The spectrum is taken of this many lengths of the record, so that the parabola through its peak is narrow."""
+FEWEST = 16
+"""Samples without which no frequency is told."""
+LOWEST = 2 * PADDING
+"""Place of two periods in the padded spectrum; a peak below it is no frequency."""
+
+
+def dominant_frequency(time: Array, values: Array) -> float | None:
+    """Angular frequency of the largest component, rad/s, by a least-squares refinement of the spectrum's peak; None
+    for less than two periods or no motion."""
+    n = len(time)
+    if n < FEWEST or not np.ptp(values) > 0.0:
+        return None
+    step = (time[-1] - time[0]) / (n - 1)
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(n), PADDING * n))
+    top = int(np.argmax(spectrum[1:])) + 1
+    if top < LOWEST or top + 1 >= len(spectrum):
+        return None
+    left, middle, right = np.log(spectrum[top - 1 : top + 2] + 1e-300)
+    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    return float(2.0 * math.pi * (top + shift) / (PADDING * n * step))
+
+
+def component(time: Array, values: Array, omega: float) -> complex:
+    """Complex amplitude A of Re(A exp(i omega t)) by least squares, over whole periods."""
+    period = 2.0 * math.pi / omega
+    periods = math.floor((time[-1] - time[0]) / period + 1e-9)
+    keep = time >= time[-1] - periods * period
+    t = time[keep]
+    basis = np.column_stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t)])
+    c, s, _ = np.linalg.lstsq(basis, values[keep], rcond=None)[0]
+    return complex(c, -s)
+
+
+def repeats(time: Array, values: Array, omega: float | None, tolerance: float) -> bool:
+    """Whether a motion is the same one period later, within half the tolerance. A subharmonic or chaotic motion is not:
+    two such runs may differ by a whole amplitude at every instant and still be the same motion."""
+    if omega is None:
+        return True
+    period = 2.0 * math.pi / omega
+    late = time[time <= time[-1] - period]
+    if len(late) < 8:
+        return True
+    change = np.interp(late + period, time, values) - values[: len(late)]
+    spread = float(np.std(values))
+    return not spread or math.sqrt(float(np.mean(change**2))) <= 0.5 * tolerance * spread
+
+
+def peak(values: Array) -> float:
+    """Largest value, refined by a parabola through the samples around it."""
+    k = int(np.argmax(values))
+    if 0 < k < len(values) - 1:
+        a, b, c = (float(x) for x in values[k - 1 : k + 2])
+        curvature = a - 2.0 * b + c
+        if curvature < 0.0:
+            return b - (a - c) ** 2 / (8.0 * curvature)
+    return float(values[k])

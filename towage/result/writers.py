@@ -1,0 +1,25 @@
+"""Writers of result files, as values; `towage.registry.WRITERS` finds them, and those of other packages, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from towage.result.result import Result
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A kind of result file. ``write(result, path)`` writes one; it raises `TowageError` and keeps an earlier file if that
+    fails. ``suffix`` is without a dot, ``description`` one line for ``towage run --help``."""
+
+    name: str
+    suffix: str
+    write: Callable[[Result, Path], None]
+    description: str
+
+
+CSV = Writer("csv", "csv", Result.save_csv, "a column a variable, for spreadsheets")
+NPZ = Writer("npz", "npz", Result.save_npz, "everything, bit-exact, for towage report and numpy")
+MAT = Writer("mat", "mat", Result.save_mat, "MAT 5, for MATLAB and Octave")

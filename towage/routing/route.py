@@ -1,0 +1,122 @@
+"""The minimal-time route of a route file, what it saves, and what it is written as."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from towage.errors import SceneError, TowageError
+from towage.models.route.plan import Plan, RouteError, plan
+from towage.routing.file import RouteFile, load
+from towage.routing.output import HOUR, MILE, draw, unit_parameters, write_csv
+
+CELLS, RADIUS = 20, 3
+"""Meshes of the graph from start to end, and the reach of one of its legs, by default."""
+_REFUSED = ("input", "outside", "forbidden")
+"""Reasons of a `RouteError` that lie in the file."""
+
+
+@dataclass(frozen=True)
+class PlannedRoute:
+    """``given``: what the file says. ``plan``: the best route, other local minima, the straight route and the geodesic."""
+
+    given: RouteFile
+    plan: Plan
+    cells: int
+    radius: int
+
+    @property
+    def distance(self) -> float:
+        """From start to end along the geodesic of the map, m."""
+        problem = self.given.problem
+        return problem.medium.map.distance(problem.start, problem.end)
+
+    def document(self) -> dict[str, Any]:
+        """Times in h, distance in nautical miles, the certificate (j in m/rad) and shares of the voyage, as plain data;
+        None for what there is not."""
+        best, hours = self.plan.best, self._hours()
+        return {
+            "title": self.given.title, "kind": best.kind, "best_h": best.duration / HOUR,
+            "other_minima_h": [other.duration / HOUR for other in self.plan.others],
+            "straight_h": hours["straight"], "geodesic_h": hours["geodesic"], "graph_h": hours["graph"],
+            "saving": self.plan.saving, "distance_nmi": self.distance / MILE, "certified": best.certified,
+            "j_exact_m_per_rad": _finite(best.j_exact), "j_seed_m_per_rad": _finite(best.j_seed),
+            "beyond_forecast": self.plan.beyond_horizon, "beyond_polar": self.plan.beyond_polar,
+            "tacking": self.plan.tacking, "notes": self.plan.notes,
+        }  # fmt: skip
+
+    def text(self) -> str:
+        """A few lines for a terminal."""
+        best, hours = self.plan.best, self._hours()
+        lines = [f"{self.given.title}: {self.distance / MILE:.1f} nmi"]
+        lines.append(f"  best route        {best.duration / HOUR:12.6f} h   ({best.kind})")
+        second = next((f"{other.duration / HOUR:12.6f} h   (local minimum)" for other in self.plan.others), "")
+        lines.append(f"  second best       {second or '     none found'}")
+        for name in ("straight", "geodesic"):
+            time = hours[name]
+            lines.append(f"  {name:17} {time:12.6f} h" if time is not None else f"  {name:17}       none")
+        if hours["graph"] is not None:
+            lines.append(f"  graph             {hours['graph']:12.6f} h   ({self.cells} meshes, radius {self.radius})")
+        if self.plan.saving is not None:
+            lines.append(f"  saving over the straight route: {self.plan.saving:.2%}")
+        if best.certified and math.isfinite(best.j_exact):
+            lines.append(f"  certificate: local minimum, j_exact = {best.j_exact / MILE:.6g} nmi/rad > 0 along the track "
+                         f"(source's j = {best.j_seed / MILE:.6g})")  # fmt: skip
+        elif not best.certified:
+            lines.append("  certificate: none")
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.plan.notes)])
+
+    def save_csv(self, path: Path) -> None:
+        """The track of the best route: hours, nautical miles or degrees, knots, metres, seconds. Raises `TowageError`."""
+        write_csv(path, self.given.problem, self.plan.best)
+
+    def save_map(self, path: Path, hours: Sequence[float] | None = None) -> None:
+        """Waves and routes at these hours (default: a quarter, half and three quarters of the voyage), as .svg, .png or
+        .pdf. Raises `TowageError`."""
+        draw(path, self.given.title, self.given.problem, self.plan, hours)
+
+    def unit_parameters(self, which: Literal["best", "straight"] = "best") -> dict[str, float]:
+        """Parameters of the unit `voyage` for a route, SI. Raises `TowageError` where there is no such route."""
+        chosen = self.plan.best if which == "best" else self.plan.straight
+        if chosen is None:
+            raise TowageError(f"{self.given.path}: there is no {which} route: {'; '.join(self.plan.notes)}")
+        return unit_parameters(self.given.problem, chosen)
+
+    def _hours(self) -> dict[str, float | None]:
+        named = {"straight": self.plan.straight, "geodesic": self.plan.geodesic}
+        hours = {name: other.duration / HOUR if other else None for name, other in named.items()}
+        return hours | {"graph": self.plan.graph_time / HOUR if math.isfinite(self.plan.graph_time) else None}
+
+
+def route(
+    file: str | Path,
+    *,
+    method: Literal["safeguarded", "seed", "graph"] | None = None,
+    cells: int = CELLS,
+    radius: int = RADIUS,
+) -> PlannedRoute:
+    """The minimal-time route of a route file, or of a shipped one ("storm", "pacific"): what ``towage route`` does.
+
+        towage.route("storm").document()["best_h"]
+
+    ``method``: in place of the file's: safeguarded; seed, the iteration of the source (NPS 1964) as it was used; graph,
+    the lattice and its refinement alone. ``cells``: meshes of the graph from start to end; ``radius``: reach of a leg,
+    meshes. Nothing is written.
+
+    Raises `SceneError` for a file that cannot be read or asks for what there is not, `TowageError` where no route exists.
+    """
+    given = load(file)
+    try:
+        planned = plan(given.problem, method=method or given.method, cells=cells, radius=radius)
+    except RouteError as error:
+        if error.reason in _REFUSED:
+            raise SceneError(str(error), file=given.path) from error
+        raise TowageError(f"{given.path}: {error}") from error
+    return PlannedRoute(given, planned, cells, radius)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

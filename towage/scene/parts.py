@@ -1,0 +1,76 @@
+"""The tables of a scene file, and what a check says of the other runs it needs. Plain structures, nothing is checked here."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import msgspec
+
+from towage.units.description import Value
+
+if TYPE_CHECKING:
+    from towage.scene.scene import Scene
+
+Seconds = Annotated[float, msgspec.Meta(extra={"unit": "s"})]
+"""A time; the file may give it as a text with a unit."""
+
+
+class UnitEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[units.NAME]``: a shipped unit's name or the path of an .fmu, and values as written."""
+
+    fmu: str
+    parameters: dict[str, Value] = {}
+
+
+class Coupling(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[coupling]``: exactly one of ``step`` (s) and ``tolerance`` (relative error of the coupling) is given."""
+
+    scheme: str = "auto"
+    step: Seconds | None = None
+    tolerance: float | None = None
+    events: bool = True
+    error_estimate: bool = True
+
+
+class Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[record]``: interval in s, None for every communication point; variables, None for all numeric outputs."""
+
+    interval: Seconds | None = None
+    variables: tuple[str, ...] | None = None
+
+
+class Checks(msgspec.Struct, frozen=True):
+    """``[checks]``: the tables ``[checks.NAME]`` by the name of the check (`towage.registry.CHECKS`), each the structure
+    that the check brings; ``report_only`` names margins that do not decide."""
+
+    sections: dict[str, Any] = {}
+    report_only: tuple[str, ...] = ()
+
+    def get(self, name: str) -> Any:
+        """The section of a check, None if the scene has none."""
+        return self.sections.get(name)
+
+    def without(self, *names: str) -> Checks:
+        """All but the sections of these checks."""
+        rest = {name: section for name, section in self.sections.items() if name not in names}
+        return Checks(rest, self.report_only)
+
+
+class Empty(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The table of a check that takes no values."""
+
+
+class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[[cases]]``: values that replace those of the scene, under "unit.parameter", "coupling.step", "stop_time"."""
+
+    name: str
+    set: dict[str, Any] = {}
+
+
+class Variant(NamedTuple):
+    """Another run of a scene, to compare with: ``name`` as its progress is told; the scene, None for the same one;
+    ``coarse``: with doubled communication step, or tenfold tolerance."""
+
+    name: str
+    scene: Scene | None
+    coarse: bool = False
