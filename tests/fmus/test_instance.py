@@ -289,7 +289,8 @@ def test_declared_dependencies_are_the_real_ones(unit: str) -> None:
     it = Player(unit, **start)
     outputs = [v for v in it.unit.observed if v.causality == "output"]
     seen: dict[str, set[str]] = {v.name: set() for v in outputs}
-    for k in range(200):
+    # an event, a branch, the worst of several margins take luck to meet; units of floats alone have none and are slow
+    for k in range(40 if it.unit.not_native else 200):
         cubics = case.cubics(rng)
         values = {name: cubics[name] for name in case.inputs}
         rates = {f"{name}_d1": cubics[f"{name}_d1"] for name in case.inputs}

@@ -70,7 +70,7 @@ def by_model(job: Job) -> list[list[str]]:
     x, m = model.initial(p, FLOATS)
     names, seen, first_step = [v.name for v in unit.inputs], [], 0.0
 
-    inputs_of, state_of = model.Inputs._make, model.State._make
+    inputs_of, state_of = model.Inputs._make, model.State._make if model.State else tuple
 
     def outputs(t: float, u: list[float], du: list[float]) -> None:
         seen.append([float(v).hex() for v in model.outputs(t, x, m, inputs_of(u), inputs_of(du), p, FLOATS)])
@@ -154,11 +154,12 @@ VARIANT = (
     ("heave/ship.py", "velocity = rate + z_rate", "velocity = 2.0 * (rate + z_rate)"),
     ("heave/spring_line.py", "return static_tension / k + heave_top", "return 1.0 + static_tension / k + heave_top"),
     ("heave/cradle.py", "return 0.5 * p.water_density", "return 0.75 * p.water_density"),
-    ("python/instance.py", "        total = sum(observed)\n",
+    ("python/values.py", "        total = sum(observed)\n",
      "        observed = [2.0 * v + 1.0 for v in observed]\n        total = sum(observed)\n"),
-    ("observe.c", "    outcome = check_finite(it, first_observed(unit), unit->observed);\n",
-     "    for (int i = 0; i < unit->observed; i++)\n        observed[i] = 2.0 * observed[i] + 1.0;\n"
-     "    outcome = check_finite(it, first_observed(unit), unit->observed);\n"),
+    ("observe.c", "    outcome = check_finite(it, unit->first.observed, unit->observed);\n",
+     "    for (int i = 0; i < unit->observed; i++)\n"
+     "        observed[i] = 2.0 * observed[i] + 1.0;\n"
+     "    outcome = check_finite(it, unit->first.observed, unit->observed);\n"),
 )  # fmt: skip
 """File, text there, and what another version has instead."""
 
