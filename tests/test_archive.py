@@ -323,7 +323,7 @@ def test_real_library_is_accepted_whole_and_refused_in_part() -> None:
     assert "truncated" in binary.problem(data[: len(data) // 2])
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=150)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_any_damage_is_refused_or_harmless(tmp_path: Path, data: st.DataObject) -> None:
     path = tmp_path / "box.fmu"

@@ -97,6 +97,14 @@ def test_what_code_in_the_pages_names_exists(file: str) -> None:
             assert node.attr in towage.__all__
 
 
+def test_files_that_the_pages_name_exist() -> None:
+    named = re.compile(r"`((?:models|fmus|towage|tests|benchmarks|docs)/[\w./]+)`")
+    for file in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))):
+        for path in () if made(file) else named.findall(file.read_text(encoding="utf-8")):
+            example = file.stem == "how_to_add" and "mooring" in path
+            assert example or (ROOT / path).exists() or made(ROOT / path), f"{file.name}: {path}"
+
+
 def made(path: Path) -> bool:
     """Whether `make docs` writes this file, so that a checkout need not have it."""
     relative = os.path.relpath(path, ROOT)

@@ -78,7 +78,8 @@ def test_in_a_checkout_it_becomes_a_unit_of_the_project(tmp_path: Path) -> None:
 def test_it_passes_the_tests_of_artefacts(tmp_path: Path) -> None:
     tree = copied(tmp_path)
     run(["-m", "towage", "new", "unit", "odd_winch"], tree, tree)
-    (tree / "fmus" / "__init__.py").write_text('UNITS = ("odd_winch",)\n', "utf-8")  # the others are tested elsewhere
+    # two more, whose states the tests offer to it; the others are tested elsewhere
+    (tree / "fmus" / "__init__.py").write_text('UNITS = ("ship", "cradle", "odd_winch")\n', "utf-8")
     run(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fmus/test_artefact.py"], tree, tree)
 
 

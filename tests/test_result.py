@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.io import loadmat
@@ -93,7 +93,6 @@ def test_npz_round_trip_is_bit_exact(tmp_path):
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "run.npz").read_bytes()
 
 
-@settings(max_examples=25, deadline=None)
 @given(
     names=st.lists(st.text(min_size=1), max_size=4, unique=True),
     values=arrays(np.float64, 7, elements=st.floats(allow_nan=True, allow_infinity=True)),

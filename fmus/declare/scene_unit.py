@@ -1,9 +1,9 @@
 """A scene as one unit: the declaration that goes with ``models/compose``.
 
 Variables keep their names behind that of their part, ``<part>.<variable>``, with their units, bounds and descriptions;
-start values are those of the scene. Inputs that are connected inside are gone, one ``integration_tolerance`` serves all,
-and the branches are the composition's own business, so that there is no ``freeze_branches``. Parameters of linear units
-are fixed: their matrices are made when the scene is composed.
+start values are those of the scene. Inputs that are connected inside are no inputs of the unit. One
+``integration_tolerance`` serves all, and there is no ``freeze_branches``: the composition locates its branches itself.
+Parameters of linear units are fixed: their matrices are made when the scene is composed.
 """
 
 from __future__ import annotations

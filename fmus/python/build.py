@@ -9,6 +9,7 @@ follows from the sources: two builds are byte-identical.
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
 import importlib.util
 import uuid
@@ -69,7 +70,7 @@ def staged_modules(unit_name: str, place: str = "") -> dict[str, bytes]:
 
 def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple[str, list[str]]]:
     """(module, names) of every import in ``text`` that the FMU must carry; ``own`` is the unit's top-level package."""
-    for node in _executed(ast.parse(text)):
+    for node in _import_statements(text):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 if _carried(alias.name, own):
@@ -77,7 +78,6 @@ def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple
                         f"{module}, line {node.lineno}: 'import {alias.name}' cannot be carried by an FMU: write "
                         f"'from ... import ...'"
                     )
-        if not isinstance(node, ast.ImportFrom):
             continue
         names = [alias.name for alias in node.names]
         if node.level:
@@ -87,12 +87,22 @@ def _imports(text: bytes, module: str, package: str, own: str) -> Iterator[tuple
             yield carried, names
 
 
-def _executed(node: ast.AST) -> Iterator[ast.AST]:
-    """``node`` and all below it but what stands there for type checkers alone."""
-    yield node
+@functools.lru_cache(maxsize=512)
+def _import_statements(text: bytes) -> tuple[ast.Import | ast.ImportFrom, ...]:
+    """The imports in a module's text but for those for type checkers alone. Units share most of their modules, and every
+    run asks for some units, so what was parsed is kept."""
+    return tuple(node for node in _statements(ast.parse(text)) if isinstance(node, (ast.Import, ast.ImportFrom)))
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """All statements below ``node`` but those that stand there for type checkers alone; no expressions."""
     for child in ast.iter_child_nodes(node):
-        if not (isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"):
-            yield from _executed(child)
+        if not isinstance(child, (ast.stmt, ast.ExceptHandler, ast.match_case)):
+            continue
+        if isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING":
+            continue
+        yield child
+        yield from _statements(child)
 
 
 def _carried(module: str, own: str) -> str:
@@ -106,7 +116,7 @@ def _carried(module: str, own: str) -> str:
 def _made_private(text: bytes, package: str, own: str) -> bytes:
     """``text`` with the full names of carried modules led into the private package; otherwise unmodified."""
     lines = text.splitlines(keepends=True)
-    for node in ast.walk(ast.parse(text)):
+    for node in _import_statements(text):
         if isinstance(node, ast.ImportFrom) and not node.level and (carried := _carried(node.module or "", own)):
             line, name = node.lineno - 1, (node.module or "").encode()
             begin = lines[line].index(name, node.col_offset)

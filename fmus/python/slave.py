@@ -82,49 +82,49 @@ class Fmi2Slave:
         return False
 
     def setup_experiment(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
-        """Times of the experiment, s; every function of FMI raises what the bridge turns into Fatal."""
+        """Times of the experiment, s."""
         try:
             self.instance.set_up(start, stop)
         except BaseException as error:
             raise self._fatal(error) from None
 
     def enter_initialization_mode(self) -> None:
-        """fmi2EnterInitializationMode."""
+        """Parameters and start values may still be set."""
         try:
             self.instance.enter_initialization()
         except BaseException as error:
             raise self._fatal(error) from None
 
     def exit_initialization_mode(self) -> None:
-        """fmi2ExitInitializationMode."""
+        """Fix the parameters and compute the initial state."""
         try:
             self.instance.exit_initialization()
         except BaseException as error:
             raise self._fatal(error) from None
 
     def terminate(self) -> None:
-        """fmi2Terminate."""
+        """No step after this."""
         try:
             self.instance.terminate()
         except BaseException as error:
             raise self._fatal(error) from None
 
     def get_real(self, references: list[int]) -> list[float]:
-        """fmi2GetReal; SI."""
+        """Current values by value reference, SI."""
         try:
             return self.instance.get_values(references)
         except BaseException as error:
             raise self._fatal(error) from None
 
     def set_real(self, references: list[int], values: list[float]) -> None:
-        """fmi2SetReal; SI."""
+        """Set parameters and inputs by value reference, SI."""
         try:
             self.instance.set_values(references, values)
         except BaseException as error:
             raise self._fatal(error) from None
 
     def do_step(self, time: float, step: float) -> bool:
-        """fmi2DoStep from ``time`` by ``step``, s; False is Discard."""
+        """Advance from ``time`` by ``step``, s; False where the step is refused and nothing happened."""
         try:
             self.instance.do_step(time, step)
             return True

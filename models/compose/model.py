@@ -159,7 +159,7 @@ class Composition:
     # ---- signals ----------------------------------------------------------------------------------------------------
 
     def _at(self, plan: Plan, t: Value, x: Any, m: Any, u: Any, du: Any, p: Any, ops: Ops) -> _Point:
-        """The parts' states and the inputs that ``plan`` finds; what no one asked for is 0."""
+        """The parts' states and the inputs that ``plan`` finds; the others are 0."""
         x, m = tuple(x), tuple(m)
         sizes = [len(model.Inputs._fields) for model in self._models]
         sides: dict[str, list[list[Value]]] = {kind: [[0.0] * n for n in sizes] for kind in KINDS}

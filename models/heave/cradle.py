@@ -25,7 +25,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..numeric.ops import NEVER, Ops, Value
+from ..numeric.ops import NEGLIGIBLE, NEVER, Ops, Value
 from ..protocol.model import Model, Requirement
 from ..protocol.variables import (
     NextEvent,
@@ -172,7 +172,7 @@ def margin_drag_reynolds(velocity: Value, docked: Value, p: Parameters, ops: Ops
     v_c = p.critical_reynolds * p.kinematic_viscosity / p.drag_length
     slow = ops.minimum(ops.abs(velocity), v_c)
     load = weight(docked, p)
-    load = ops.where(load > 0.0, load, virtual_mass(docked, p) * GRAVITY)
+    load = ops.where(load > NEGLIGIBLE, load, virtual_mass(docked, p) * GRAVITY)
     return 1.0 - drag_factor(docked, p, ops) * slow * slow / (REYNOLDS_SHARE * load)
 
 

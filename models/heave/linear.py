@@ -38,10 +38,12 @@ def response(mass: float, damping: float, stiffness: float, omega: float) -> tup
 
 def peak(mass: float, damping: float, stiffness: float) -> tuple[float, float]:
     """(omega, rad/s; A/X0) of the largest response: r^2 = 1 - 2 zeta^2, 1/(2 zeta sqrt(1 - zeta^2)); (0, 1) from
-    zeta = 1/sqrt 2 on, where the response only falls."""
+    zeta = 1/sqrt 2 on, where the response only falls; infinite without damping."""
     zeta2 = damping * damping / (4.0 * mass * stiffness)
     if zeta2 >= 0.5:
         return 0.0, 1.0
+    if zeta2 == 0.0:
+        return math.sqrt(stiffness / mass), math.inf
     return math.sqrt((1.0 - 2.0 * zeta2) * stiffness / mass), 0.5 / math.sqrt(zeta2 * (1.0 - zeta2))
 
 
@@ -103,21 +105,29 @@ def lorentz(mass: float, drag: float, stiffness: float, amplitude: float, omega:
     """(A, m; phi, rad) with the equivalent damping of the resulting motion itself.
 
     A^2 ((K - M omega^2)^2 + c1^2 omega^2 A^2) = K^2 X0^2 with c1 = ``equivalent_damping`` at A = 1 m, a quadratic in
-    A^2 with one positive root, written without cancellation.
+    A^2 with one positive root, written without cancellation. (infinity, pi/2) at resonance without drag, where no steady
+    motion exists; (0, pi/2) there without motion of the upper end.
     """
     real = stiffness - mass * omega * omega
     gain = omega * equivalent_damping(drag, omega, 1.0)
     force = stiffness * amplitude
     half = 0.5 * real * real
     root = math.hypot(half, gain * force)
+    if half + root == 0.0:
+        return (math.inf if force != 0.0 else 0.0), 0.5 * math.pi
     size = force / math.sqrt(half + root)
     return size, math.atan2(gain * size, real)
 
 
 def lorentz_peak(mass: float, drag: float, stiffness: float, amplitude: float) -> tuple[float, float]:
     """(omega, rad/s; A, m) of the largest `lorentz` amplitude: with c = 8 b X0/(3 pi M) and a = A/X0,
-    a^2 = (1 + sqrt(1 + 4/c^2))/2 and (omega/omega0)^2 = 1/(1 + c^2 a^2)."""
+    a^2 = (1 + sqrt(1 + 4/c^2))/2 and (omega/omega0)^2 = 1/(1 + c^2 a^2). A tends to sqrt(3 pi M X0/(8 b)) as c does to
+    zero: infinite without drag, zero without motion of the upper end."""
     c2 = (equivalent_damping(drag, 1.0, amplitude) / mass) ** 2
+    if c2 < 1e-200:
+        c1 = equivalent_damping(drag, 1.0, 1.0)
+        largest = math.sqrt(amplitude * (mass / c1)) if c1 > 0.0 else math.inf
+        return math.sqrt(stiffness / mass), (largest if amplitude != 0.0 else 0.0)
     a2 = 0.5 * (1.0 + math.sqrt(1.0 + 4.0 / c2))
     return math.sqrt(stiffness / mass / (1.0 + c2 * a2)), amplitude * math.sqrt(a2)
 

@@ -90,7 +90,9 @@ def steady(system: System, start: Vector | None = None, *, limit: int = 600) -> 
 
 def _from_larger_drag(system: System, factor: float = 2.0) -> Vector:
     mass, drag = cradle.calculated(system.cradle, FLOATS)
-    number = drag * system.ship.heave_amplitude / mass
+    number = drag * abs(system.ship.heave_amplitude) / mass
+    if not number > 0.0:
+        raise OrbitError("without drag there is no steady motion at a resonance, and none was found elsewhere")
     count = max(1, math.ceil(math.log(max(factor, 10.0 / number), factor)))
     x: Vector | None = None
     for k in range(count, -1, -1):

@@ -74,6 +74,14 @@ class Pair:
         return math.sqrt(self.ship_stiffness / self.ship_mass)
 
     @property
+    def ship_damping_ratio(self) -> float:
+        """c1/(2 sqrt(K1 m1)), infinite for a ship without stiffness that has damping."""
+        critical = self.ship_mass * self.ship_frequency
+        if critical == 0.0:
+            return math.inf if self.ship_damping > 0.0 else 0.0
+        return 0.5 * self.ship_damping / critical
+
+    @property
     def cradle_frequency(self) -> float:
         """sqrt(K2/m2), rad/s."""
         return math.sqrt(self.stiffness / self.mass)
@@ -90,8 +98,11 @@ class Response:
 
     @property
     def amplitude_error(self) -> float:
-        """abs(abs(Y1way)/abs(Y2way) - 1): how wrong the one-way amplitude is."""
-        return abs(abs(self.cradle_one_way) / abs(self.cradle_two_way) - 1.0)
+        """abs(abs(Y1way)/abs(Y2way) - 1): how wrong the one-way amplitude is; infinite where only it moves."""
+        one, two = abs(self.cradle_one_way), abs(self.cradle_two_way)
+        if one == two:  # both may be zero, or infinite
+            return 0.0
+        return abs(one / two - 1.0) if two > 0.0 else math.inf
 
     @property
     def bound(self) -> float:
@@ -105,9 +116,11 @@ def dynamic_stiffness(mass: float, damping: float, stiffness: float, omega: floa
 
 
 def _amplitude(p: float, q: float, s: float, d: float) -> float:
-    """The positive root A of A^2 (p + q A + s A^2) = d, p, q >= 0, s, d > 0: Newton from above, where the left side is
-    convex and increasing."""
-    a = min(math.sqrt(d / p) if p > 0.0 else math.inf, (d / s) ** 0.25 if s > 0.0 else math.inf)
+    """The root A >= 0 of A^2 (p + q A + s A^2) = d, p, q, s, d >= 0: Newton from above, where the left side is convex and
+    increasing. Zero for d = 0, infinite for p = s = 0, at resonance without drag and damping."""
+    a = min(math.sqrt(d / p) if p > 0.0 else math.inf, (d / s) ** 0.25 if s > 0.0 else math.inf) if d > 0.0 else 0.0
+    if not 0.0 < a < math.inf:
+        return a
     for _ in range(200):
         lower = a - (a * a * (p + a * (q + a * s)) - d) / (a * (2.0 * p + a * (3.0 * q + 4.0 * a * s)))
         if not lower < a * (1.0 - 1e-15):
@@ -117,11 +130,17 @@ def _amplitude(p: float, q: float, s: float, d: float) -> float:
 
 
 def two_way(pair: Pair, omega: float) -> Response:
-    """Ship and cradle together and the cradle alone, at ``omega``, rad/s."""
+    """Ship and cradle together and the cradle alone, at ``omega``, rad/s. Amplitudes are infinite at resonance without
+    drag and damping, `eps` where the ship has neither damping nor a force against the line's; for X0 = 0 the latter is
+    that of vanishing X0."""
     size, lag = linear.lorentz(pair.mass, pair.drag, pair.stiffness, pair.amplitude, omega)
-    alone = complex(size * math.cos(lag), -size * math.sin(lag))
+    resonant = size == math.inf
+    alone = complex(0.0, -size) if resonant else complex(size * math.cos(lag), -size * math.sin(lag))
     d1 = dynamic_stiffness(pair.ship_mass, pair.ship_damping, pair.ship_stiffness, omega)
-    d2 = pair.stiffness * (1.0 - alone / pair.amplitude)
+    if resonant or pair.amplitude == 0.0:
+        d2 = _undragged(pair, omega)
+    else:
+        d2 = abs(pair.stiffness * (1.0 - alone / pair.amplitude))
     # cradle: (Z + i h A) Y = K2 X;  ship: (D1 + K2) X - K2 Y = D1 X0
     z = dynamic_stiffness(pair.mass, 0.0, pair.stiffness, omega)
     h = omega * linear.equivalent_damping(pair.drag, omega, 1.0)
@@ -131,13 +150,25 @@ def two_way(pair: Pair, omega: float) -> Response:
     p, s = abs(smooth) ** 2, abs(rough) ** 2
     q = 2.0 * h * pair.stiffness**2 * max(d1.imag, 0.0)  # = 2 Re(smooth conj(rough)), without cancellation
     a = _amplitude(p, q, s, abs(pair.stiffness * d1 * pair.amplitude) ** 2)
-    together = pair.stiffness * d1 * pair.amplitude / (smooth + rough * a)
+    if d1 != 0.0:
+        eps = d2 / abs(d1)
+    else:
+        eps = math.inf if d2 > 0.0 else 0.0
+    if a == math.inf:
+        return Response(complex(math.inf), complex(math.inf), alone, eps)
+    together = pair.stiffness * d1 * pair.amplitude / (smooth + rough * a) if a > 0.0 else 0j
     return Response(
         ship=together * (z + 1j * h * a) / pair.stiffness,
         cradle_two_way=together,
         cradle_one_way=alone,
-        eps=abs(d2) / abs(d1),
+        eps=eps,
     )
+
+
+def _undragged(pair: Pair, omega: float) -> float:
+    """abs(D2) of a motion so small that its drag vanishes, K2 m2 omega^2/abs(K2 - m2 omega^2), N/m."""
+    load = pair.mass * omega * omega
+    return pair.stiffness * load / abs(pair.stiffness - load) if pair.stiffness != load else math.inf
 
 
 def worst(pair: Pair, low: float = 0.2, high: float = 4.0, points: int = 400) -> tuple[float, float, float]:
@@ -149,7 +180,7 @@ def worst(pair: Pair, low: float = 0.2, high: float = 4.0, points: int = 400) ->
         return two_way(pair, r * unit).amplitude_error
 
     grid = [low + (high - low) * k / points for k in range(points + 1)]
-    width = max(0.5 * pair.ship_damping / (pair.ship_mass * pair.ship_frequency), 0.002)
+    width = min(max(pair.ship_damping_ratio, 0.002), 1e3)
     near = [r * (1.0 + 0.25 * k * width) for r in _resonances(pair) for k in range(-12, 13)]
     grid = sorted(grid + [r for r in near if low < r < high])
     best = max(range(len(grid)), key=lambda k: error(grid[k]))
@@ -177,10 +208,9 @@ def closed_form(mass_ratio: float, frequency_ratio: float, damping_ratio: float,
 
 def closed_form_of(pair: Pair) -> float:
     """eps* of a pair in SI."""
-    damping_ratio = 0.5 * pair.ship_damping / (pair.ship_mass * pair.ship_frequency)
     drag = pair.drag * pair.amplitude / pair.mass
     ratio = pair.ship_frequency / pair.cradle_frequency
-    return closed_form(pair.mass / pair.ship_mass, ratio, damping_ratio, drag)
+    return closed_form(pair.mass / pair.ship_mass, ratio, pair.ship_damping_ratio, drag)
 
 
 @dataclass(frozen=True)
@@ -204,10 +234,13 @@ def modes(m1: float, k1: float, m2: float, k2: float) -> tuple[Mode, Mode]:
 def eigenvector_test(m1: float, k1: float, m2: float, k2: float) -> Sequence[tuple[float, float]]:
     """The source's first test, for both modes: (shape x2/x1, undamped SDOF transmissibility 1/(1 - (omega/omega2)^2)).
     An identity for any masses and stiffnesses: it cannot fail and tells nothing."""
-    return [(mode.shape, 1.0 / (1.0 - mode.omega**2 * m2 / k2)) for mode in modes(m1, k1, m2, k2)]
+    inverse = [(mode.shape, 1.0 - mode.omega**2 * m2 / k2) for mode in modes(m1, k1, m2, k2)]
+    return [(shape, 1.0 / rest if rest != 0.0 else math.inf) for shape, rest in inverse]
 
 
 def frequency_shift(m1: float, k1: float, m2: float, k2: float) -> float:
-    """The source's second test: the larger relative shift of the frequencies of ship and cradle by their coupling."""
+    """The source's second test: the larger relative shift of the frequencies of ship and cradle by their coupling; a
+    ship without stiffness has no frequency to be shifted."""
     alone = sorted((math.sqrt(k1 / m1), math.sqrt(k2 / m2)), reverse=True)
-    return max(abs(mode.omega / omega - 1.0) for mode, omega in zip(modes(m1, k1, m2, k2), alone))
+    pairs = zip(modes(m1, k1, m2, k2), alone)
+    return max(abs(mode.omega / omega - 1.0) for mode, omega in pairs if omega > 0.0)

@@ -132,17 +132,16 @@ def shoot(system: System, x: Vector, period: int = 1, *, limit: int = 40) -> tup
     for _ in range(limit):
         if size <= 1e-13:
             break
-        if size < 1e-7:  # one more step with this slope reaches round-off at the price of a plain flow
+        try:
             step = np.linalg.solve(identity - slope, r)
+        except np.linalg.LinAlgError as error:
+            raise OrbitError(f"the map over {period} periods has a multiplier of exactly 1 at {x}") from error
+        if size < 1e-7:  # one more step with this slope reaches round-off at the price of a plain flow
             trial = tuple(map(float, np.array(x) + step))
             r = sign * np.array(flow(system, trial, length)) - np.array(trial)
             refined = float(np.max(np.abs(r) / system.scales(trial)))
             if refined < 1e-3 * size or refined < 1e-12:
                 return trial, slope @ slope if mirrored else slope, refined
-        try:
-            step = np.linalg.solve(identity - slope, r)
-        except np.linalg.LinAlgError as error:
-            raise OrbitError(f"the map over {period} periods has a multiplier of exactly 1 at {x}") from error
         for share in (1.0, 0.5, 0.25, 0.1, 0.03, 0.01):
             trial = tuple(map(float, np.array(x) + share * step))
             r_new, slope_new, size_new = defect(trial)

@@ -22,7 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..numeric.ops import Ops, Value
+from ..numeric.ops import NEGLIGIBLE, Ops, Value
 from ..protocol.model import Model, Requirement
 from ..protocol.variables import (
     FreezeBranches,
@@ -129,13 +129,14 @@ def parallel(*stiffness: float) -> float:
 
 
 def series(*stiffness: float) -> float:
-    """Stiffness of elements end to end, N/m: 1/K is the sum of 1/K_i (thesis, section II)."""
-    return 1.0 / sum(1.0 / k for k in stiffness)
+    """Stiffness of elements end to end, N/m: 1/K is the sum of 1/K_i (thesis, section II); none if one has none."""
+    return 1.0 / sum(1.0 / k for k in stiffness) if all(k > 0.0 for k in stiffness) else 0.0
 
 
 def stiffness(p: Elasticity, ops: Ops) -> Value:
     """K, N/m: as given, else EA/L."""
-    return ops.where(p.stiffness > 0.0, p.stiffness, p.axial_stiffness / ops.where(p.length > 0.0, p.length, 1.0))
+    length = ops.where(p.length > NEGLIGIBLE, p.length, 1.0)
+    return ops.where(p.stiffness > NEGLIGIBLE, p.stiffness, p.axial_stiffness / length)
 
 
 def stretch(heave_top: Value, heave_bottom: Value, static_tension: Value, k: Value) -> Value:
@@ -158,17 +159,18 @@ def margins(
     given. propagation = 1 - (L/c)|T'|/(0.4 W): the share of W by which the tension changes while a wave runs along the
     line, against its limit; for T = W + W sin(omega t) that is omega L/c < 0.4.
     """
-    scale = ops.where(weight > 0.0, weight, 1.0)
-    taut = ops.minimum(1.0, ops.where(weight > 0.0, k * e / scale, ops.where(e < 0.0, -1.0, 1.0)))
+    scale = ops.where(weight > NEGLIGIBLE, weight, 1.0)
+    taut = ops.minimum(1.0, ops.where(weight > NEGLIGIBLE, k * e / scale, ops.where(e < 0.0, -1.0, 1.0)))
     reserve = ops.maximum(p.breaking_load - weight, 1e-9 * scale)
     breaking = ops.where(p.breaking_load > 0.0, 1.0 - ops.maximum(tension - weight, 0.0) / reserve, 1.0)
-    travel_time = ops.where(p.wave_speed > 0.0, p.length / ops.where(p.wave_speed > 0.0, p.wave_speed, 1.0), 0.0)
+    known = p.wave_speed > NEGLIGIBLE
+    travel_time = ops.where(known, p.length / ops.where(known, p.wave_speed, 1.0), 0.0)
     return taut, breaking, 1.0 - travel_time * ops.abs(tension_rate) / (PROPAGATION_LIMIT * scale)
 
 
 def requirements(p: Elasticity, ops: Ops) -> tuple[Requirement, ...]:
     """A line needs its stiffness in one of two ways."""
-    given = ops.maximum(p.stiffness, ops.minimum(p.axial_stiffness, p.length))
+    given = ops.maximum(p.stiffness, ops.minimum(p.axial_stiffness, p.length)) - NEGLIGIBLE
     text = "stiffness is 0 and so is axial_stiffness / length: give stiffness, or axial_stiffness and length"
     return ((given, text),)
 

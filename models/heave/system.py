@@ -73,7 +73,7 @@ class System:
     @property
     def period(self) -> float:
         """That of the wave force where there is one, else of the free motion, s."""
-        if self.two_way and self.force_amplitude != 0.0:
+        if self.two_way and self.force_amplitude != 0.0 and self.force_frequency != 0.0:
             return 2.0 * math.pi / self.force_frequency
         return float(self.ship.heave_period)
 

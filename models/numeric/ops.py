@@ -19,6 +19,10 @@ NEVER = 1e300
 """The time of an event that will not happen, s: finite, so that no port ever carries an infinity."""
 
 
+NEGLIGIBLE = 1e-100
+"""A scale that is not larger counts as zero: what is divided by it, or by its square, could overflow."""
+
+
 def not_spelled(*values: Value) -> Value:
     """Stands for an operation that a kind of value does not have."""
     raise NotImplementedError("this kind of value does not have this operation")

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 from .ramp import ramp
 
 TURN = 2.0 * math.pi
@@ -83,4 +83,4 @@ def driven(
 def margin_small(z: Value, amplitude: Value, share: Value, ops: Ops) -> Value:
     """1 - |z|/(share |amplitude|): how far a response stays small against what drives it; 1 where nothing does."""
     limit = share * ops.abs(amplitude)
-    return ops.where(limit > 0.0, 1.0 - ops.abs(z) / ops.where(limit > 0.0, limit, 1.0), 1.0)
+    return ops.where(limit > NEGLIGIBLE, 1.0 - ops.abs(z) / ops.where(limit > NEGLIGIBLE, limit, 1.0), 1.0)

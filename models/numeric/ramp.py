@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-from .ops import Ops, Value
+from .ops import NEGLIGIBLE, Ops, Value
 
 
 def ramp(t: Value, duration: Value, ops: Ops) -> tuple[Value, Value, Value]:
     """r and its first two time derivatives, 1, 1/s, 1/s2, at ``t``, s; a ``duration`` of 0 s: r = 1."""
-    scale = ops.where(duration > 0.0, 1.0 / ops.where(duration > 0.0, duration, 1.0), 0.0)
-    s = ops.where(duration > 0.0, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
+    scale = ops.where(duration > NEGLIGIBLE, 1.0 / ops.where(duration > NEGLIGIBLE, duration, 1.0), 0.0)
+    s = ops.where(duration > NEGLIGIBLE, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
     r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     rest = 1.0 - s
     r1 = 30.0 * s * s * rest * rest * scale

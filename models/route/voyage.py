@@ -25,7 +25,7 @@ import math
 from dataclasses import make_dataclass
 from typing import Annotated, Any, NamedTuple
 
-from ..numeric.ops import Ops, Value
+from ..numeric.ops import NEGLIGIBLE, Ops, Value
 from ..protocol.model import AnyModel, Model
 from ..protocol.variables import Quantity, Rate, margin, output, parameter
 
@@ -150,7 +150,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Any, ops: Op
         f = table(p, column)
         values.append(sum(w * v for w, v in zip(value, f)))
         rates.append(scale * sum(w * v for w, v in zip(slope, f)))
-    known = ops.where(p.horizon > 0.0, 1.0 - tau / ops.where(p.horizon > 0.0, p.horizon, 1.0), 1.0)
+    known = ops.where(p.horizon > NEGLIGIBLE, 1.0 - tau / ops.where(p.horizon > NEGLIGIBLE, p.horizon, 1.0), 1.0)
     return Outputs._make([*values, share, known, *rates])
 
 

@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
-from ..numeric.ops import FLOATS, Ops, Value
+from ..numeric.ops import FLOATS, NEGLIGIBLE, Ops, Value
 from . import waves
 from .waves import GRAVITY
 
@@ -63,15 +63,16 @@ def _sinc(u: Value, ops: Ops) -> Value:
 
 
 def heave_rao(omega: Value, speed: Value, cos_beta: Value, hull: Hull, ops: Ops, gravity: float = GRAVITY) -> Value:
-    """Signed heave per wave amplitude at ``omega`` > 0, rad/s, ``speed``, m/s."""
+    """Signed heave per wave amplitude at ``omega``, rad/s, ``speed``, m/s; 1 at omega = 0, and finite where a hull without
+    breadth, undamped, is in resonance."""
     k = omega * omega / gravity
-    a = 1.0 - k * speed * cos_beta / omega
+    a = 1.0 - k * speed * cos_beta / ops.where(omega > 0.0, omega, 1.0)
     a2 = a * a
     kb, kt = k * hull.breadth, k * hull.draught
     c = _sinc(0.5 * kb * a2, ops)
     damping = kb * c * c * ops.exp(-2.0 * kt * a2)  # Q/a^2
     q = damping * a2
-    eta = 1.0 / ops.sqrt((1.0 - 2.0 * kt * a2) * (1.0 - 2.0 * kt * a2) + q * q)
+    eta = 1.0 / ops.sqrt(ops.maximum((1.0 - 2.0 * kt * a2) * (1.0 - 2.0 * kt * a2) + q * q, NEGLIGIBLE))
     f = ops.sqrt((1.0 - kt) * (1.0 - kt) + (damping * a) * (damping * a))
     along = ops.abs(cos_beta)
     depth = ops.where(hull.smith_oblique > 0.5, along, 1.0)

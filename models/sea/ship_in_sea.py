@@ -220,8 +220,8 @@ def _carry(total: float, low: float, more: float) -> tuple[float, float]:
     """total + low + ``more`` with the rounding error of the sum (T. J. Dekker's two-sum)."""
     term = more + low
     result = total + term
-    gone = result - total
-    return result, (total - (result - gone)) + (term - gone)
+    added = result - total
+    return result, (total - (result - added)) + (term - added)
 
 
 def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
@@ -239,7 +239,7 @@ def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameter
 
 
 def _looked(x: State, sea: Sea, interval: Value) -> State:
-    """The state after a look that finds ``sea``: phases to the end of the interval, old sea gone, new one ahead."""
+    """The state after a look that finds ``sea``: phases at its time, and that sea the one to approach."""
     old, new = _seas(x)
     (c0, d0), (c1, d1) = doppler(old), doppler(new)
     half = 0.5 * interval

@@ -120,10 +120,13 @@ def integrate(f: Callable[[float], float], low: float, high: float) -> float:
 @lru_cache(maxsize=32)
 def gauss_rule(n: int, gamma: float = 1.0, band: tuple[float, float] = BAND) -> tuple[tuple[float, float], ...]:
     """(x_i, w_i) of the n-point Gauss rule of b(x) dx on ``band``, ascending: sum w_i x_i^k is its k-th moment for
-    k < 2n. Raises ``ValueError`` unless 1 <= n <= 300 and 0 < band[0] < band[1]."""
+    k < 2n. Raises ``ValueError`` unless 1 <= n <= 300 and 0 < band[0] < band[1],, and where the band
+    carries nothing."""
     if not (1 <= n <= 300 and 0.0 < band[0] < band[1]):
         raise ValueError(f"{n} components on {band}: expected 1 to 300 on a band 0 < low < high")
     points = [(x, w * shape(x, gamma)) for x, w in _points(*band)]
+    if not math.fsum(w for _, w in points) > 1e-200:  # a share of m0; of less the polynomials overflow
+        raise ValueError(f"a band of {band[0]} to {band[1]} peak frequencies carries no energy: waves begin at 0.23 of them")
     diagonal, beside, total = _stieltjes(points, n)
     nodes, first = _eigen(diagonal, beside)
     return tuple(sorted((x, total * v * v) for x, v in zip(nodes, first)))

@@ -24,7 +24,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..numeric.ops import Ops, Value
+from ..numeric.ops import NEGLIGIBLE, Ops, Value
 from ..numeric.oscillator import acceleration, driven, exact_oscillation, margin_small, natural
 from ..numeric.ramp import ramp
 from ..protocol.model import Model
@@ -99,7 +99,7 @@ class Calculated(NamedTuple):
 def tow_speed(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
     """U, m/s, and its rate, m/s2."""
     r, r1, _ = ramp(t - p.speed_change_start, p.speed_change_time, ops)
-    change = ops.where(p.speed_change_time > 0.0, p.speed_end - p.speed_start, 0.0)
+    change = ops.where(p.speed_change_time > NEGLIGIBLE, p.speed_end - p.speed_start, 0.0)
     return p.speed_start + change * r, change * r1
 
 

@@ -123,7 +123,7 @@ def _repair(pairs: list[tuple[int, int]], s: ComplexArray) -> list[tuple[int, in
         if pair is None:
             free = [k for _, k in single if k not in used]
             free += [k for k in range(len(s)) if s[k].imag == 0.0 and k not in used and k not in free]
-            if len(free) < 2:  # two paths claimed one conjugate pair: take the next that nobody has
+            if len(free) < 2:  # two paths claimed one conjugate pair: take the next that is free
                 lead = next(k for k in range(len(s)) if s[k].imag > 0.0 and k not in used)
                 free = [lead, _conjugate(s, lead)]
             result[place] = (free[0], free[1])

@@ -55,6 +55,21 @@ def doubles(values: Sequence[float] | int) -> Any:
     return (ctypes.c_double * values)() if isinstance(values, int) else (ctypes.c_double * len(values))(*values)
 
 
+Pointer = ctypes.POINTER(ctypes.c_double)
+Rates = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double, Pointer, Pointer)
+"""Rates or indicators: context, time, state, where the result goes."""
+OnEvent = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double, Pointer)
+
+
+class System(ctypes.Structure):
+    """``System`` of integrate.h."""
+
+    _fields_ = (
+        ("context", ctypes.c_void_p), ("states", ctypes.c_int), ("indicators", ctypes.c_int), ("rates", Rates),
+        ("indicate", Rates), ("on_event", OnEvent),
+    )  # fmt: skip
+
+
 class NativeInstance:
     """``Instance`` of instance.h, variables by name."""
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from towage.fmus.declare.dependencies import dependencies
@@ -108,7 +108,6 @@ def test_docking_inside_a_step_is_located(steps: int) -> None:
 
 @given(time=st.floats(0.0, 0.3), event=st.floats(0.0, 5.0))
 @example(*ROUNDED)
-@settings(max_examples=150, deadline=None)
 def test_docking_happens_once_whatever_the_rounding(time: float, event: float) -> None:
     """``time + (event - time)`` may round to before the event: docking must not wait for the next step."""
     it = Player("cradle", time, mass=1e3, docking_time=event, submersible_mass=1e3, velocity_start=1.0)
@@ -170,7 +169,6 @@ def test_one_period_in_one_step(tolerance: float) -> None:
 
 
 @given(r=st.tuples(*[st.floats(-1e5, 1e5)] * 4), damping=st.sampled_from([0.0, 1e5, 2.53e6, 1e7]))
-@settings(max_examples=30, deadline=None)
 def test_linear_unit_is_exact_for_cubics_in_any_step(r: Cubic, damping: float) -> None:
     """One step of a period equals two hundred: no step error at all, under-, over- and critically damped."""
     results = []

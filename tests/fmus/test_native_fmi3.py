@@ -37,7 +37,7 @@ def fmu3(native: Callable[[str, int], Path]) -> Path3:
 @pytest.fixture(scope="module")
 def linear(native: Callable[[str, int], Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A linear unit: its states and extras are arrays. (``native`` skips where there is no compiler.)"""
-    traced = trace(linear_example.unit(linear_example), {})
+    traced = trace(linear_example.UNIT, {})
     return native_fmu.package(traced, "", tmp_path_factory.mktemp("linear"), 3, "host")[0]
 
 

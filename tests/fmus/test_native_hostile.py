@@ -59,7 +59,7 @@ def fuzz(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int, int], 
     @cache
     def program(name: str) -> Path:
         base, structure = LINEAR.get(name, (name, {}))
-        traced = trace(linear_example.unit(linear_example) if name == EXAMPLE else usable(load(base)), structure)
+        traced = trace(linear_example.UNIT if name == EXAMPLE else usable(load(base)), structure)
         sources = [*HOST.glob("fuzz*.c"), *write_sources(traced, directory / name)]
         return compile_c(sources, directory / f"fuzz_{name}", *SANITIZERS, f"-I{directory / name}")
 

@@ -12,20 +12,9 @@ import pytest
 
 from towage.models.numeric.integrate import IntegrationError, Vector, integrate
 
-from .native_instance import compile_library, doubles
+from .native_instance import OnEvent, Rates, System, compile_library, doubles
 
-Double, Pointer = ctypes.c_double, ctypes.POINTER(ctypes.c_double)
-Rates = ctypes.CFUNCTYPE(None, ctypes.c_void_p, Double, Pointer, Pointer)
-OnEvent = ctypes.CFUNCTYPE(None, ctypes.c_void_p, Double, Pointer)
-
-
-class System(ctypes.Structure):
-    """`System` of integrate.h."""
-
-    _fields_ = (
-        ("context", ctypes.c_void_p), ("states", ctypes.c_int), ("indicators", ctypes.c_int), ("rates", Rates),
-        ("indicate", Rates), ("on_event", OnEvent),
-    )  # fmt: skip
+Double = ctypes.c_double
 
 
 @pytest.fixture(scope="module")

@@ -112,6 +112,16 @@ def test_files_and_functions_are_short(file: Path) -> None:
     assert {name: count for name, count in lines.items() if count > 60} == {}
 
 
+@pytest.mark.parametrize("file", OWN + ENSEMBLE, ids=lambda file: file.name)
+def test_files_say_what_they_are_for(file: Path) -> None:
+    """At the top of a header, and of a C file that has none of its name; it includes that one before all others."""
+    text, header = file.read_text(), file.with_suffix(".h")
+    if file.suffix == ".h" or not header.is_file():
+        assert text.startswith("/* ")
+    else:
+        assert re.findall(r'#include ["<](.+)[">]', text)[0] == header.name
+
+
 def test_functions_are_measured() -> None:
     """Against a count by hand."""
     text = "static int f(int a,\n  int b)\n{\n    if (a) {\n        b++;\n    }\n    return b;\n}\n\nint g(void) { return 1; }\n"

@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from towage.errors import SceneError
-from towage.models.heave.system import Simulation
-from towage.verify.cradle import SOLVERS, dimensionless_system
+from towage.verify.cradle import SOLVERS
 from towage.verify.verify import OWN_FILES, check, compare, verify
 
 OWN = {name: json.loads((files("towage") / "reference" / name).read_text("utf-8"))["cases"] for name in OWN_FILES}
@@ -49,29 +48,6 @@ def test_shared_reference_agrees(file: str) -> None:
     assert len(results) > 5
     assert [r for r in results if not r.ok] == []
     assert max(r.worst_error for r in results) < TIGHTER.get(file, math.inf)
-
-
-def test_the_two_refuted_extremes_are_no_extremes() -> None:
-    """The body passes both values at speed, without any event, between the start and the next turning point."""
-    run = Simulation(dimensionless_system(0.3, 1.0, 1.6), 0.0, (-2.0, 0.0))
-    y, v = run.advance(0.23743448076573)
-    assert y == pytest.approx(-1.9420054530959492, abs=1e-13)
-    assert v > 0.4 and run.slack_events == 0
-    run.advance(31.41592653589793)
-    turning = sorted(y for t, y in run.turning_points if t > 1e-9)
-    assert turning[0] == pytest.approx(-1.80991178, abs=1e-8)  # 9 digits of our own value
-
-    system = dimensionless_system(0.3, 1.0, 1.0, docked_mass=7.4688888888888885, docking_time=3.8, mode="continuous")
-    run = Simulation(system, 0.0, _orbit(1.0))
-    y, v = run.advance(5.44630587)
-    assert y == pytest.approx(1.4512628082467107, abs=1e-8)  # the time is given to 9 digits
-    assert v < -0.2 and not run.taut
-
-
-def _orbit(w: float) -> tuple[float, ...]:
-    from towage.models.heave.orbits import steady
-
-    return steady(dimensionless_system(0.3, 1.0, w)).state
 
 
 def test_rule_of_comparison() -> None:

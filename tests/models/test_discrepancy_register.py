@@ -9,7 +9,8 @@ import math
 import pytest
 from scipy.optimize import brentq
 
-from towage.models.heave import cradle, linear, orbits, sdof
+from towage.fmus.declare.quantities import convert, parse_quantity
+from towage.models.heave import cradle, linear, orbits, sdof, spring_line
 from towage.models.heave.shooting import flow
 from towage.models.heave.system import Simulation
 from towage.models.numeric.ops import FLOATS
@@ -44,9 +45,21 @@ def test_row_2_modes_of_the_pair() -> None:
 
 
 def test_row_3_frequencies_of_the_parts() -> None:
+    """From the models' own constants, and the body's from its free motion on a ship at rest: zeros half a period apart."""
     m1, k1, m2, k2 = LULU
-    assert math.sqrt(k1 / m1) == pytest.approx(1.603567451475, abs=places(12))
-    assert math.sqrt(k2 / m2) == pytest.approx(0.786402689376, abs=places(12))
+    pair = sdof.Pair(m1, 0.0, k1, m2, k2, 0.0, 1.0)
+    assert pair.ship_frequency == pytest.approx(1.603567451475, abs=places(12))
+    assert pair.cradle_frequency == pytest.approx(0.786402689376, abs=places(12))
+    run = Simulation(system(0.0, 1.0, None, amplitude=0.0, stiffness=k2, mass=m2), 0.0, (1.0, 0.0))
+    run.advance(50.0)
+    times = [t for t, _ in run.turning_points if t > 1e-9]
+    half = (times[-1] - times[0]) / (len(times) - 1)
+    assert math.pi / half == pytest.approx(0.786402689376, abs=1e-11)  # some hundred steps at 1e-13
+    ship_alone = Simulation(
+        system(0.0, 1.0, None, amplitude=0.0, stiffness=1e-9, mass=1e-9, hull=(m1, 0.0, k1), two_way=True),
+        0.0, (1.0, 0.0, 1.0, 0.0),
+    )  # fmt: skip
+    assert ship_alone.advance(7.0)[0] == pytest.approx(math.cos(7.0 * 1.603567451475), abs=1e-8)  # the line's pull, 1e-9
 
 
 def test_row_4_ratio_with_the_wrong_denominator() -> None:
@@ -72,8 +85,10 @@ def test_row_5_eigenvector_test_is_an_identity() -> None:
 
 
 def test_row_6_masses() -> None:
-    assert pytest.approx(27.9729, abs=places(4)) == 900.0 / 32.174
-    assert pytest.approx(1.61621, abs=places(5)) == 52.0 / 32.174
+    """Of a weight in long tons the mass in tons s2/ft, as a scene file has it converted."""
+    for tons, mass, digits in ((900.0, 27.9729, 4), (52.0, 1.61621, 5)):
+        kilograms = parse_quantity(f"{tons} long_ton", "kg")
+        assert convert(kilograms, "kg", "tonf_long.s2/ft") == pytest.approx(mass, abs=places(digits))
 
 
 def test_row_7_linear_resonance() -> None:
@@ -124,9 +139,10 @@ def test_row_12_periods_of_alvin() -> None:
     slipped = (2.88377, 4.55964, 6.44831, 9.11928, 12.89661, 15.79506, 20.39133, 28.8377, 40.78267, 64.48306)
     table = (2.88, 4.55, 6.44, 9.12, 12.9, 15.8, 20.4, 28.8, 40.7, 64.4)
     truncated = []
+    slip = _frequency(100.0) / 0.689  # row 11
     for length, period, other, printed in zip(LENGTHS, exact, slipped, table, strict=True):
         assert 2.0 * math.pi / _frequency(length) == pytest.approx(period, abs=places(5))
-        ours = 2.0 * math.pi / (0.689 * math.sqrt(100.0 / length))
+        ours = 2.0 * math.pi / _frequency(length) * slip
         assert ours == pytest.approx(other, abs=places(5))
         decimals = 2 if printed < 10.0 else 1
         if round(ours, decimals) != printed:
@@ -136,10 +152,9 @@ def test_row_12_periods_of_alvin() -> None:
 
 
 def test_row_13_mass_of_alvin_is_wrong() -> None:
-    mass = 60_000.0 / 32.174
-    assert mass == pytest.approx(1864.86, abs=places(2))
-    assert 33_050 + 8_100 + 18_850 == 60_000
-    assert pytest.approx(70_783.0, abs=0.5) == 2200.0 * 32.174
+    assert convert(60_000.0, "lb", "slug") == pytest.approx(1864.86, abs=places(2))
+    mass = 60_000.0 / 32.174  # the register's rounding of gravity, which its nine digits have
+    assert convert(2200.0, "slug", "lb") == pytest.approx(70_783.0, abs=0.5)
     assert 2200.0 / mass - 1.0 == pytest.approx(0.18, abs=0.005)
     assert _frequency(100.0, mass) == pytest.approx(0.746781539, abs=places(9))
     assert 2.0 * math.pi / _frequency(100.0, mass) == pytest.approx(8.41369, abs=places(5))
@@ -149,14 +164,24 @@ def test_row_13_mass_of_alvin_is_wrong() -> None:
     assert orbit.heave_max == pytest.approx(1.992598906, abs=2e-9)
     assert omega == pytest.approx(0.856, abs=places(3))
     assert HEAVE * orbit.heave_max == pytest.approx(8.77, abs=places(2))
-    assert pytest.approx(9.42, abs=places(2)) == 2.14 * HEAVE
+    printed = 9.42  # 2.14 times the ship's heave, and 2.14 is the peak of row 10
+    wrong = orbits.peak(system(0.3, 1.0, None), 0.7, 1.1, points=9)[1].heave_max
+    assert round(wrong, 2) * HEAVE == pytest.approx(printed, abs=places(2))
 
 
 def test_row_14_drag_and_breaking_load() -> None:
     body = system(0.5 * 1.9905, 1.0, None).cradle
     assert 150.0 * cradle.drag_factor(0.0, body, FLOATS) == pytest.approx(149.3, abs=0.05)
-    assert pytest.approx(150.0, rel=1e-12) == 0.3 * ALVIN_MASS / HEAVE
-    assert pytest.approx(0.15283, abs=places(5)) == ALVIN_WEIGHT / 53_000.0
+    # b = 150 slug/ft is B = 0.3 for this mass and heave: the same response at resonance, in feet and dimensionless
+    alvin = system(150.0, _frequency(100.0), None, amplitude=HEAVE, stiffness=ALVIN_STIFFNESS, mass=ALVIN_MASS)
+    assert orbits.steady(alvin).heave_max == pytest.approx(HEAVE * 1.991136438946, rel=1e-11)
+    # twice the static tension takes share/(1 - share) of the reserve, the share being W over the breaking load
+    line = spring_line.Parameters(ALVIN_STIFFNESS, 0.0, 0.0, 53_000.0, 0.0, 0.0, ALVIN_WEIGHT)
+    stretch = 2.0 * ALVIN_WEIGHT / ALVIN_STIFFNESS
+    _, breaking, _ = spring_line.margins(
+        2.0 * ALVIN_WEIGHT, 0.0, stretch, ALVIN_STIFFNESS, ALVIN_WEIGHT, line, FLOATS
+    )  # fmt: skip
+    assert (1.0 - breaking) / (2.0 - breaking) == pytest.approx(0.15283, abs=places(5))
 
 
 def _tension(length: float, r: float) -> float:
@@ -180,7 +205,7 @@ def test_row_15_short_nylon_breaks() -> None:
 
 
 def test_row_16_the_line_goes_slack() -> None:
-    weights = [ALVIN_WEIGHT / (ALVIN_STIFFNESS * 100.0 / length * HEAVE) for length in (10.0, 25.0, 50.0, 100.0, 200.0)]
+    weights = [_static_stretch(length) / HEAVE for length in (10.0, 25.0, 50.0, 100.0, 200.0)]
     assert weights == pytest.approx([0.177, 0.443, 0.885, 1.770, 3.540], abs=places(3))
     dynamic = steady(0.3, 1.0).tension_max
     assert dynamic == pytest.approx(2.266, abs=places(3))
@@ -188,16 +213,28 @@ def test_row_16_the_line_goes_slack() -> None:
     assert HEAVE * steady(0.3, 1.0, weights[3]).heave_max == pytest.approx(8.53, abs=places(2))
 
 
+def _static_stretch(length: float) -> float:
+    """Of the line under the weight of Alvin, ft."""
+    case = system(0.3, 1.0, ALVIN_WEIGHT, amplitude=0.0, stiffness=ALVIN_STIFFNESS * 100.0 / length, mass=ALVIN_MASS)
+    return Simulation(case).stretch(0.0, (0.0, 0.0))[0]
+
+
+def _docking_frequency(docked: float, mass: float = 450.0) -> float:
+    """Of the cradle on 1000 lb/ft, without (0) and with (1) the submersible, rad/s."""
+    case = system(0.3, 1.0, None, stiffness=1000.0, mass=mass, docked_mass=3361.0, docking_time=0.0)
+    return math.sqrt(case.stiffness / cradle.virtual_mass(docked, case.cradle))
+
+
 def test_row_17_docking_frequencies() -> None:
-    assert pytest.approx(450.43, abs=places(2)) == 1000.0 / 1.49**2
-    free, docked = math.sqrt(1000.0 / 450.0), math.sqrt(1000.0 / 3361.0)
+    assert brentq(lambda m: _docking_frequency(0.0, m) - 1.49, 400.0, 500.0) == pytest.approx(450.43, abs=places(2))
+    free, docked = _docking_frequency(0.0), _docking_frequency(1.0)
     assert (free, docked) == pytest.approx((1.490711985, 0.545463561), abs=places(9))
     assert (0.2 * math.pi / free, 0.2 * math.pi / docked) == pytest.approx((0.421488884, 1.151898266), abs=places(9))
     # (the register prints 0.421488838 for the first, which is not the quotient of its own numbers)
 
 
 def test_row_18_docked_response_is_larger() -> None:
-    free, docked = math.sqrt(1000.0 / 450.0), math.sqrt(1000.0 / 3361.0)
+    free, docked = _docking_frequency(0.0), _docking_frequency(1.0)
     assert steady(0.3, 0.2 * math.pi / free).heave_max == pytest.approx(1.224167494, abs=places(9))
     drag = 0.3 * 450.0 / 3361.0
     assert steady(drag, 0.2 * math.pi / docked).heave_max == pytest.approx(2.843143882, abs=places(9))

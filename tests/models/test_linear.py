@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
@@ -69,7 +69,6 @@ def test_linear_model_is_the_limit_of_the_cradle() -> None:
 
 
 @given(st.floats(1e-6, 1e3), st.floats(1e-3, 10.0), st.floats(1e-3, 10.0), st.floats(1e-2, 1e3), st.floats(1e-3, 1e2))
-@settings(max_examples=200, deadline=None)
 def test_lorentz_solves_its_own_equation(drag: float, r: float, x0: float, m: float, k: float) -> None:
     omega = r * math.sqrt(k / m)
     size, lag = linear.lorentz(m, drag, k, x0, omega)

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from towage.models.heave import cradle, orbits, sdof, ship, spring_line
@@ -46,7 +46,6 @@ def test_worst_errors_of_the_table(zeta1: float, mu: float, stiffness_ratio: flo
 
 
 @given(st.floats(1e-3, 1.0), st.floats(1e-4, 1.0), st.floats(0.02, 0.2), st.floats(0.1, 1.0), st.floats(0.2, 4.0))
-@settings(max_examples=500, deadline=None)
 def test_bound_holds(mu: float, stiffness_ratio: float, zeta1: float, drag: float, r: float) -> None:
     response = sdof.two_way(Pair.dimensionless(mu, stiffness_ratio, zeta1, drag), r)
     if response.eps < 0.9:
@@ -54,7 +53,7 @@ def test_bound_holds(mu: float, stiffness_ratio: float, zeta1: float, drag: floa
 
 
 @given(st.floats(1e-3, 10.0), st.floats(1e-4, 10.0), st.floats(0.0, 0.5), st.floats(1e-3, 10.0), st.floats(0.05, 10.0))
-@settings(max_examples=300, deadline=None)
+@example(1.0, 1.0, 0.0, 1.0, 1.0)  # no force is left: both are zero, and the rows hold exactly
 def test_two_way_response_satisfies_both_rows(mu: float, ratio: float, zeta1: float, drag: float, r: float) -> None:
     pair = Pair.dimensionless(mu, ratio, zeta1, drag)
     response = sdof.two_way(pair, r)
@@ -63,8 +62,8 @@ def test_two_way_response_satisfies_both_rows(mu: float, ratio: float, zeta1: fl
     d1 = sdof.dynamic_stiffness(pair.ship_mass, pair.ship_damping, pair.ship_stiffness, r)
     z = sdof.dynamic_stiffness(1.0, c, 1.0, r)
     size = abs(d1) * (abs(x) + 1.0) + abs(x) + (1.0 + abs(z)) * abs(y)
-    assert abs(d1 * x + (x - y) - d1) < 1e-9 * size  # row of the ship; cancellation near its resonance
-    assert abs(z * y - x) < 1e-9 * size  # row of the cradle
+    assert abs(d1 * x + (x - y) - d1) <= 1e-9 * size  # row of the ship; cancellation near its resonance
+    assert abs(z * y - x) <= 1e-9 * size  # row of the cradle
 
 
 @pytest.mark.parametrize("zeta1", [0.02, 0.05, 0.1, 0.2])
@@ -114,7 +113,6 @@ def test_si_entry_points() -> None:
 
 
 @given(st.floats(1e-2, 1e2), st.floats(1e-2, 1e2), st.floats(1e-2, 1e2), st.floats(1e-2, 1e2))
-@settings(max_examples=300, deadline=None)
 def test_eigenvector_test_is_an_identity(m1: float, k1: float, m2: float, k2: float) -> None:
     """Shape and transmissibility agree for any masses: 1/T = 1 - m2 omega^2/K2 is compared, the poles being allowed."""
     for mode, (shape, transmissibility) in zip(sdof.modes(m1, k1, m2, k2), sdof.eigenvector_test(m1, k1, m2, k2)):

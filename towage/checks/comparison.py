@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 RATIOS = (0.2, 3.0, 281)
 """Frequency ratios of the response curve: from, to, how many."""
+BEYOND = 1e6
+"""Response that only a cradle without drag has, at its resonance: infinite but for rounding, and not drawn."""
+AT_REST = 1e-13
+"""Dynamic tension, as a share of the mean one, that is rounding."""
 
 
 class Theory(NamedTuple):
@@ -57,7 +61,7 @@ def theory(system: System, check: SdofCheck) -> Theory:
     if not known:
         return Theory()
     masses = known.ship_mass, known.ship_stiffness, known.mass, known.stiffness
-    eigenvector = max(abs(b / a - 1.0) for a, b in sdof.eigenvector_test(*masses))
+    eigenvector = max(abs(b / a - 1.0) if a else 0.0 for a, b in sdof.eigenvector_test(*masses))
     return Theory(sdof.closed_form_of(known), eigenvector, sdof.frequency_shift(*masses))
 
 
@@ -86,7 +90,7 @@ def response(system: System, check: SdofCheck, omega: float | None, columns: Col
     measured = abs(component(t, motion, omega)) / drive if drive else 0.0
     return {
         "ratio": ratios.tolist(),
-        "amplitude": [size / abs(known.amplitude) for size in sizes],
+        "amplitude": [size / abs(known.amplitude) if size < BEYOND * abs(known.amplitude) else math.nan for size in sizes],
         "operating": [omega / known.cradle_frequency, measured],
         "label": "equivalent linearisation",
     }
@@ -95,17 +99,21 @@ def response(system: System, check: SdofCheck, omega: float | None, columns: Col
 def compare(check: SdofCheck, time: Array, coupled: Columns, one_way: Columns, system: System) -> Comparison:
     """The SDOF comparison from ``check.settle`` (s) on. Amplitude (half the swing) and peak tension (above its mean) are
     errors of the one-way model, one-way / coupled - 1; rms is that of the difference over that of the one-way motion;
-    the phase is that of the coupled motion against the one-way motion, rad."""
+    the phase is that of the coupled motion against the one-way motion, rad. Amplitude, tension and rms are zero for a body
+    at rest: a tension that is constant but for rounding."""
     settled = time >= check.settle
     t = time[settled]
     x2, x1 = coupled[check.motion][settled], one_way[check.motion][settled]
     T2, T1 = coupled[check.tension][settled], one_way[check.tension][settled]
     swing1, swing2 = peak(x1) + peak(-x1), peak(x2) + peak(-x2)
     dynamic1, dynamic2 = peak(T1) - float(T1.mean()), peak(T2) - float(T2.mean())
-    amplitude = swing1 / swing2 - 1.0 if swing2 else 0.0
-    tension = dynamic1 / dynamic2 - 1.0 if dynamic2 else 0.0
+    amplitude = _change(swing1, swing2)
+    tension = _change(dynamic1, dynamic2)
     rms1 = math.sqrt(float(np.mean((x1 - x1.mean()) ** 2)))
-    rms = math.sqrt(float(np.mean((x2 - x1) ** 2))) / rms1 if rms1 else 0.0
+    difference = math.sqrt(float(np.mean((x2 - x1) ** 2)))
+    rms = difference / rms1 if rms1 else _share_of_nothing(difference)
+    if max(dynamic1, dynamic2) <= AT_REST * max(abs(float(T1.mean())), abs(float(T2.mean()))):
+        amplitude = tension = rms = 0.0
     omega = dominant_frequency(t, one_way[check.driver][settled])
     phase = 0.0
     if omega and (first := component(t, x1, omega)):
@@ -124,4 +132,15 @@ def _indicator(check: SdofCheck, time: Array, one_way: Columns, system: System, 
     if not omega or not stiffness:
         return None
     drive = abs(component(time, one_way[check.driver], omega))
-    return abs(component(time, one_way[check.reaction], omega)) / (abs(stiffness) * drive) if drive else None
+    restoring = abs(stiffness) * drive  # may underflow to zero
+    return abs(component(time, one_way[check.reaction], omega)) / restoring if restoring else None
+
+
+def _change(one: float, two: float) -> float:
+    """one / two - 1; infinite where only ``one`` is not zero."""
+    return one / two - 1.0 if two else _share_of_nothing(one)
+
+
+def _share_of_nothing(value: float) -> float:
+    """``value`` as a share of zero: infinite, but for zero itself."""
+    return math.inf if value else 0.0

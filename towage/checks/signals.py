@@ -28,7 +28,8 @@ def dominant_frequency(time: Array, values: Array) -> float | None:
     if top < LOWEST or top + 1 >= len(spectrum):
         return None
     left, middle, right = np.log(spectrum[top - 1 : top + 2] + 1e-300)
-    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    bend = left - 2.0 * middle + right
+    shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0  # no peak where the motion is too small to be squared
     return float(2.0 * math.pi * (top + shift) / (PADDING * n * step))
 
 

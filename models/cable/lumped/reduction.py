@@ -165,7 +165,7 @@ def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: i
         whole = np.flatnonzero(sizes == states)
         if not len(whole):
             return None
-        kept, gone = order[: whole[0] + 1], order[whole[0] + 1 :]
+        kept, dropped = order[: whole[0] + 1], order[whole[0] + 1 :]
         a, b, c = [], [], []
         for i in kept:
             re, im = values[i].real, values[i].imag
@@ -178,8 +178,8 @@ def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: i
                 b.append(np.stack([left[i].real, -left[i].imag]) * 2.0)
                 c.append(np.stack([right[:, i].real, right[:, i].imag], axis=1))
         # conjugates double the real part of a pair
-        static = -((right[:, gone] * (width[gone] / values[gone])) @ left[gone]).real
-        acceleration = -((right[:, gone] * (width[gone] / values[gone] ** 2)) @ left[gone]).real
+        static = -((right[:, dropped] * (width[dropped] / values[dropped])) @ left[dropped]).real
+        acceleration = -((right[:, dropped] * (width[dropped] / values[dropped] ** 2)) @ left[dropped]).real
         block = np.zeros((states, states))
         row = 0
         for part in a:

@@ -1,4 +1,4 @@
-"""Frequency response by shooting, as the source solves it: to show where it dies, not to be used.
+"""Frequency response by shooting, as the source solves it: kept to show where that fails, not for use.
 
 Two solutions of y' = A(s) y are integrated from the body to the towpoint: mode A starts with a normal, mode B with a
 tangential velocity, both with the angle and tension that the body's conditions [39] [40] give them (in Quadrant II a

@@ -112,6 +112,7 @@ CHAIN = [[0, 0, 1, 0], [0, 0, 0, 1], [-2.5e4, 1.5e4, -0.25, 0.125], [1.5e4, -1.5
 MATRICES: dict[str, list[list[float]]] = {
     "two masses on stiff springs, hardly damped": CHAIN,
     "roots -1, -2, -3 +- 4i": [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [-50, -87, -45, -9]],
+    "a rotation": [[0, 5], [-5, 0]],
     "far from normal": [[-1, 100, 0.5], [0, -1.5, 100], [0, 0.001, -2]],
 }
 
