@@ -1,6 +1,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+JOBS ?= 2
 
 .PHONY: run native test test-all faults lint bench docs wheel clean
 run: $(VENV)/installed dist/built          ## build the FMUs, run the Sea Cliff scene, write out/sea_cliff/report.html
@@ -10,13 +11,14 @@ native: $(VENV)/installed-native           ## all native FMUs, FMI 2 and 3, for 
 	$(BIN)/python build_fmus.py --flavour native
 	$(BIN)/python build_fmus.py --flavour native --fmi 3
 
-test: $(VENV)/installed-test dist/built    ## lint, types and all tests but the long tail
+test: $(VENV)/installed-test dist/built    ## lint, types, layers and all tests but the long tail; JOBS=n on n processors
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/pytest -q
+	$(BIN)/lint-imports --no-logo
+	$(BIN)/pytest -q -n $(JOBS) --dist loadscope
 
 test-all: $(VENV)/installed-test dist/built ## every test
-	$(BIN)/pytest -q -m "slow or not slow"
+	$(BIN)/pytest -q -n $(JOBS) --dist loadscope -m "slow or not slow"
 
 faults: $(VENV)/installed-test             ## inject every known fault; the table quoted in docs/faults.md
 	$(BIN)/python -m tests.faults.table

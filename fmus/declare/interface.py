@@ -47,6 +47,11 @@ class Interface:
         )  # fmt: skip
 
     @cached_property
+    def as_built(self) -> Unit:
+        """The unit with a reference run that this build can do: structural parameters have the values that it fixed."""
+        return replace(self.unit, start={**self.unit.start, **self.structure})
+
+    @cached_property
     def variables(self) -> tuple[Variable, ...]:
         """All of them: shared, states, derivatives of the states, extras."""
         states = tuple(

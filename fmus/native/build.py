@@ -17,10 +17,11 @@ import casadi as ca
 
 from ..declare.unit import Unit, load
 from ..describe import archive as archive_writer
-from ..describe.documentation import documentation_page, reference_result
+from ..describe.documentation import documentation_page
 from ..describe.fmi2 import document, native_model_description
 from ..describe.fmi3 import model_description3
 from ..python.build import FOLDERS, NAMESPACE
+from ..python.reference import reference_result
 from . import compiler
 from .constants import constants_header
 from .source import model_source, unit_source
@@ -43,7 +44,7 @@ def runtime_sources(fmi: int) -> dict[str, bytes]:
 def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
     """The members of the archive but for its libraries. ``reference`` is the reference result."""
     interface = traced.interface
-    unit, name = interface.unit, interface.unit.name
+    name = interface.unit.name
     sources = runtime_sources(fmi) | {"model.c": model_source(traced.functions).encode()}
     files = sorted(["unit.c", *(file for file in sources if file.endswith(".c"))])
 
@@ -55,7 +56,7 @@ def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
         else:
             archive["modelDescription.xml"] = model_description3(interface, name, token)
             archive["sources/buildDescription.xml"] = build_description(name, files)
-        archive["documentation/index.html"] = documentation_page(unit, interface.variables).encode()
+        archive["documentation/index.html"] = documentation_page(interface.as_built, interface.variables).encode()
         archive[f"documentation/{name}_ref.csv"] = reference.encode()
         return archive
 
@@ -117,7 +118,7 @@ def build_unit(
 ) -> tuple[Path, bool]:
     """As `build`, of a unit that has no module of its own, such as a scene."""
     traced = trace(unit, structure)
-    return package(traced, reference_result(traced.interface.unit), directory, fmi, platforms)
+    return package(traced, reference_result(traced.interface.as_built), directory, fmi, platforms)
 
 
 def package(traced: Traced, reference: str, directory: Path, fmi: int, platforms: str) -> tuple[Path, bool]:

@@ -19,8 +19,9 @@ from pathlib import Path
 
 from ..declare.unit import BuildError, Unit, load
 from ..describe import archive as archive_writer
-from ..describe.documentation import documentation_page, reference_result
+from ..describe.documentation import documentation_page
 from ..describe.fmi2 import model_description
+from .reference import reference_result
 
 FOLDERS = {"fmus": Path(__file__).resolve().parents[1], "models": Path(__file__).resolve().parents[2] / "models"}
 TOWAGE = (__package__ or "").partition(".")[0]

@@ -85,6 +85,28 @@ def unrolled(method: Tableau, n: int) -> Step:
     return scope["step"]  # type: ignore[no-any-return]
 
 
+def _until_event(
+    step: Step, rates: Rates, indicators: Indicators, t: float, x: Vector, f: Sequence[float], g: Sequence[float],
+    trial: float, landing: float, y: Vector, f_new: Sequence[float], blind: float,
+) -> tuple[float, float, Vector, Sequence[float], Sequence[float], bool, float]:  # fmt: skip
+    """The step of size ``trial`` from (t, x) to (landing, y), cut just beyond its first event: (size, landing, y, rates and
+    indicators there, whether there is an event, the next ``blind``)."""
+    g_new, event, whole = indicators(landing, y), False, trial
+    high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+    while high > 0.0:
+        located = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
+        if not located:  # only the interpolant changes its sign
+            break
+        trial, y, f_new, g_new = located
+        landing, event = t + trial, True
+        high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+    if not event:
+        blind = BLIND
+    elif trial < SHORT * whole:
+        blind = min(4.0 * blind, MOST_BLIND)
+    return trial, landing, y, f_new, g_new, event, blind
+
+
 def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: Vector) -> float:
     """Largest error over its tolerance."""
     worst = [0.0, 0.0]
@@ -137,10 +159,7 @@ def integrate(
         steps += 1
         if steps > max_steps:
             raise IntegrationError(f"{max_steps} steps were not enough to reach t = {t_end} (now t = {t}, x = {x})")
-        if h > LANDING * left:
-            trial, landing = left, t_end
-        else:
-            trial, landing = h, t + h
+        trial, landing = (left, t_end) if h > LANDING * left else (h, t + h)
         y, f_new, errors = step(rates, t, x, f, trial)
         ratio = _ratio(errors, x, y, rtol, atol)
         if not ratio <= 1.0:
@@ -151,21 +170,9 @@ def integrate(
         grown = trial * min(MOST_GROWTH, SAFETY * ratio**exponent) if ratio > 1e-9 else MOST_GROWTH * trial
         event = False
         if indicators:
-            g_new = indicators(landing, y)
-            whole = trial
-            high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-            while high > 0.0:
-                found = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
-                if not found:  # only the interpolant changes its sign
-                    break
-                trial, y, f_new, g_new = found
-                landing, event = t + trial, True
-                high = _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
-            if not event:
-                blind = BLIND
-            elif trial < SHORT * whole:
-                blind = min(4.0 * blind, MOST_BLIND)
-            g = g_new
+            trial, landing, y, f_new, g, event, blind = _until_event(
+                step, rates, indicators, t, x, f, g, trial, landing, y, f_new, blind
+            )
         if on_step:
             on_step(t, x, f, landing, y, f_new)
         # a step cut short by t_end or an event says nothing against the longer step that was tried before

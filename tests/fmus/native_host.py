@@ -15,24 +15,27 @@ from towage.fmus.native.build import RUNTIME, runtime_sources
 from towage.fmus.native.compiler import compiler, host
 from towage.fmus.native.traced import Traced
 
+from .cases import CASES
+
 HOST = Path(__file__).parent / "host"
 STANDARD = (f"-I{RUNTIME / 'fmi2'}", f"-I{RUNTIME / 'fmi3'}")
 """Where the headers of the standard are."""
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", *STANDARD)
-STARTS: dict[str, dict[str, float]] = {
-    "ship": {"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0},
-    "spring_line": {"stiffness": 1e4, "static_tension": 2e4, "breaking_load": 2e5},
-    "cradle": {"mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0, "submersible_mass": 8e3},
-    "cradle_on_line": {
-        "stiffness": 1e4, "mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0,
-        "submersible_mass": 8e3,
-    },
-}  # fmt: skip
-SINES: dict[str, tuple[str, float, float]] = {
-    "ship": ("reaction", 5e4, 0.7), "spring_line": ("heave_top", 4.0, 0.9), "cradle": ("line_tension", 3e4, 0.9),
-    "cradle_on_line": ("heave_top", 3.0, 0.9),
-}  # fmt: skip
-"""Input, amplitude and angular frequency of a run; large enough to make the line slack at times."""
+ESTIMATED = ("margin_resolution", "margin_inextensible")
+"""Margins of the errors of linear units that one flavour measures and the other estimates."""
+Sines = dict[str, tuple[float, float]]
+
+
+def run_of(fmu: Path) -> tuple[dict[str, float], Sines]:
+    """Start values of a run of a native FMU, and an input as the amplitude and angular frequency of a sine. What the build
+    fixed has its value; a model that could be reduced is not, as the flavours choose differently what to leave out."""
+    description = fmpy.read_model_description(str(fmu))
+    case = CASES[description.modelName]
+    variables = {v.name: v for v in description.modelVariables}
+    fixed = {name: float(v.start) for name, v in variables.items() if v.min is not None and v.min == v.max}
+    start = {name: fixed.get(name, value) for name, value in case.start.items()}
+    driven = [*load(description.modelName).reference_inputs][:1]
+    return start | dict.fromkeys({"reduced"} & variables.keys(), 0.0), {name: (case.inputs[name][1], 0.9) for name in driven}
 
 
 def compile_c(sources: list[Path], output: Path, *flags: str) -> Path:
@@ -62,7 +65,7 @@ class Unpacked:
 
 
 def unpack(fmu: Path, fmi: int, directory: Path, step: float = 0.1, steps: int = 60) -> Unpacked:
-    """Unpacked where a host would, with the unit's run of ``STARTS`` and ``SINES``."""
+    """Unpacked where a host would, with the run of `run_of`."""
     with zipfile.ZipFile(fmu) as archive:
         (member,) = (n for n in archive.namelist() if n.startswith("binaries/"))
         library = Path(archive.extract(member, directory))
@@ -70,9 +73,9 @@ def unpack(fmu: Path, fmi: int, directory: Path, step: float = 0.1, steps: int =
     token = description.guid if fmi == 2 else description.instantiationToken
     name = description.modelName
     reference = load(name).index
-    entry, amplitude, frequency = SINES[name]
-    lines = [f"start {reference[n]} {value!r}" for n, value in STARTS[name].items()]
-    lines += [f"sine {reference[entry]} {amplitude!r} {frequency!r} {reference[f'{entry}_d1']}"]
+    start, sines = run_of(fmu)
+    lines = [f"start {reference[n]} {value!r}" for n, value in start.items()]
+    lines += [f"sine {reference[n]} {a!r} {w!r} {reference[f'{n}_d1']}" for n, (a, w) in sines.items()]
     lines += ["get " + " ".join(str(reference[v.name]) for v in load(name).observed), f"step {step!r} {steps}"]
     return Unpacked(library, fmi, token, "\n".join(lines) + "\n")
 

@@ -11,26 +11,33 @@ from typing import Any
 
 import pytest
 
-from .conftest import PROGRAMS, UNITS, Program
+from .conftest import FLAVOURS, PROGRAMS, Program
 
 PROGRAM_NAMES = ("states", "errors", "instances", "hosts", "endurance")
 SLOW = ("endurance",)
-FLAVOURS = ("python", "native")
 Results = Callable[[str, str], dict[tuple[str, str], str | None]]
 
 
 def checks() -> list[Any]:
     """(flavour, program, check, unit), read from the programs."""
-    found = []
+    listed = []
     for name in PROGRAM_NAMES:
-        marks = [pytest.mark.slow] if name in SLOW else []
         for node in ast.parse((PROGRAMS / f"{name}.py").read_text()).body:
-            if isinstance(node, ast.FunctionDef) and node.name.startswith("check_"):
-                only = next((d for d in node.decorator_list if isinstance(d, ast.Call)), None)
-                units = tuple(ast.literal_eval(a) for a in only.args) if only and only.args else UNITS
-                flavours = [ast.literal_eval(k.value) for k in only.keywords] if only and only.keywords else FLAVOURS
-                found += [pytest.param(f, name, node.name, unit, marks=marks) for f in flavours for unit in units]
-    return found
+            if not (isinstance(node, ast.FunctionDef) and node.name.startswith("check_")):
+                continue
+            only = next((d for d in node.decorator_list if isinstance(d, ast.Call)), ast.Call(ast.Name("only"), [], []))
+            units = [ast.literal_eval(a) for a in only.args]
+            flavours = [ast.literal_eval(k.value) for k in only.keywords] or FLAVOURS
+            for flavour in flavours:
+                listed += [
+                    pytest.param(
+                        flavour, name, node.name, unit, marks=[pytest.mark.slow] * (name in SLOW),
+                        # pytest-xdist takes what is before the colons for a scope, and runs it in one process
+                        id=f"{flavour}-{name}::{node.name.removeprefix('check_')}-{unit}",
+                    )
+                    for unit in FLAVOURS[flavour] if not units or unit in units
+                ]  # fmt: skip
+    return listed
 
 
 @pytest.fixture(scope="module")
@@ -39,15 +46,15 @@ def results(flavours: Callable[[str], Path], program: Program, tmp_path_factory:
 
     @cache
     def run(flavour: str, name: str) -> dict[tuple[str, str], str | None]:
-        lines = program(name, flavours(flavour), tmp_path_factory.mktemp("unpacked"), *UNITS).splitlines()
+        lines = program(name, flavours(flavour), tmp_path_factory.mktemp("unpacked"), *FLAVOURS[flavour]).splitlines()
         return {(check, unit): failure for check, unit, failure in map(json.loads, lines)}
 
     return run
 
 
-@pytest.mark.parametrize(("flavour", "name", "check", "unit"), checks(), ids=lambda value: value.removeprefix("check_"))
+@pytest.mark.parametrize(("flavour", "name", "check", "unit"), checks())
 def test_artefact(flavour: str, name: str, check: str, unit: str, results: Results) -> None:
-    found = results(flavour, name)
-    assert (check, unit) in found, "the check did not run"
-    failure = found[check, unit]
+    outcomes = results(flavour, name)
+    assert (check, unit) in outcomes, "the check did not run"
+    failure = outcomes[check, unit]
     assert failure is None, failure

@@ -7,52 +7,41 @@ import random
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.sharing import once, shared_directory
 from towage.fmus.declare.unit import Unit, load
 from towage.fmus.python.instance import Instance
 from towage.models.numeric.integrate import integrate
 from towage.models.numeric.ops import FLOATS
 
-from .conftest import UNITS, Program
+from .cases import CASES, UNITS
+from .conftest import FLAVOURS, Program
 
 Job = dict[str, Any]
 ROOT = Path(__file__).resolve().parents[2]
-STARTS: dict[str, dict[str, float]] = {
-    "ship": {"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0, "heave_phase": 0.3},
-    "spring_line": {"stiffness": 1e4, "static_tension": 2e4, "length": 30.0, "breaking_load": 2e5, "wave_speed": 900.0},
-    "cradle": {"mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0, "submersible_mass": 8e3},
-    "cradle_on_line": {
-        "stiffness": 1e4, "mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0,
-        "submersible_mass": 8e3, "docked_drag_area": 15.0, "length": 30.0, "wave_speed": 900.0,
-    },
-}  # fmt: skip
-SIZES = {"reaction": 5e4, "heave_top": 4.0, "heave_bottom": 4.0, "line_tension": 3e4, "submersible_velocity": 0.5}
 
 
 def random_job(unit: str, seed: int, start: dict[str, float] | None = None, steps: int = 40) -> Job:
     """A run with random steps and cubics, slack and docking included; every fourth input is held."""
     rng, time, rows = random.Random(seed), 0.0, []
-    inputs = [v.name for v in load(unit).inputs]
     for _ in range(steps):
-        held = rng.random() < 0.25
-        values = {
-            f"{name}{suffix}": 0.0 if held and suffix else SIZES[name] * rng.uniform(-1.0, 1.0)
-            for name in inputs
-            for suffix in ("", "_d1", "_d2", "_d3")
-        }
+        values = CASES[unit].cubics(rng, held=rng.random() < 0.25)
         size = rng.choice([0.001, 0.02, 0.1, 0.5])
         rows.append((time, size, values, rng.random() < 0.5))
         time += size
-    return {"unit": unit, "start": STARTS[unit] | (start or {}), "steps": rows}
+    return {"unit": unit, "start": CASES[unit].start | (start or {}), "steps": rows}
 
 
-JOBS = [random_job(unit, seed) for seed in range(3) for unit in UNITS] + [
-    random_job(unit, 3, {"freeze_branches": 1.0}) for unit in ("spring_line", "cradle_on_line")
-]
+JOBS = {unit: [random_job(unit, seed) for seed in range(3)] for unit in UNITS}
+for _unit in ("spring_line", "cradle_on_line"):
+    JOBS[_unit].append(random_job(_unit, 3, {"freeze_branches": 1.0}))
+BRANCHES = {"taut": {0.0, 1.0}, "docked": {0.0, 1.0}}
+"""Modes by the local that shows them: a run meets both."""
 
 
 def by_instance(job: Job) -> list[list[str]]:
@@ -76,12 +65,12 @@ def by_model(job: Job) -> list[list[str]]:
     """The job through nothing but the functions of the model and the integrator."""
     unit: Unit = load(job["unit"])
     model: Any = unit.model
-    values = {v.name: v.start for v in unit.parameters} | job["start"]
+    values = {v.name: v.start or 0.0 for v in unit.parameters} | job["start"]
     p = model.Parameters(**{v.name: values[v.name] for v in unit.parameters})
     x, m = model.initial(p, FLOATS)
     names, seen, first_step = [v.name for v in unit.inputs], [], 0.0
 
-    inputs_of, state_of = model.Inputs._make, model.State._make
+    inputs_of, state_of = model.Inputs._make, model.State._make if model.State else tuple
 
     def outputs(t: float, u: list[float], du: list[float]) -> None:
         seen.append([float(v).hex() for v in model.outputs(t, x, m, inputs_of(u), inputs_of(du), p, FLOATS)])
@@ -91,8 +80,8 @@ def by_model(job: Job) -> list[list[str]]:
         if model.transition:
             x, m = model.transition(t, x, m, inputs_of(u), p, FLOATS)
 
-    # the start is a communication point with all inputs zero
-    change(0.0, [0.0] * len(names))
+    # the start is a communication point with all inputs at their start values
+    change(0.0, [job["start"].get(v.name, v.start or 0.0) for v in unit.inputs])
     for time, size, inputs, read in job["steps"]:
         c = [(inputs[n], inputs[f"{n}_d1"], 0.5 * inputs[f"{n}_d2"], inputs[f"{n}_d3"] / 6.0) for n in names]
 
@@ -135,49 +124,83 @@ def by_model(job: Job) -> list[list[str]]:
     return seen
 
 
-def test_consistency_of_the_fmu_with_the_model(fmus: Path, program: Program, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def played(fmus: Path, program: Program, tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
+    """What the FMUs show in their jobs, all in one process."""
+    jobs = [job for each in JOBS.values() for job in each]
+    answers = json.loads(program("play", tmp_path_factory.mktemp("play"), fmus, stdin=json.dumps(jobs)))
+    by_unit: dict[str, list[Any]] = {unit: [] for unit in JOBS}
+    for job, (answer,) in zip(jobs, answers, strict=True):
+        by_unit[job["unit"]].append(answer)
+    return by_unit
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_consistency_of_the_fmu_with_the_model(unit: str, played: dict[str, list[Any]]) -> None:
     """Every output of every step: FMU = Instance = functions of the model."""
-    answers = json.loads(program("play", tmp_path, fmus, stdin=json.dumps(JOBS)))
-    branches: dict[str, set[float]] = {"taut": set(), "docked": set()}
-    for job, (by_fmu,) in zip(JOBS, answers, strict=True):
-        names = [v.name for v in load(job["unit"]).observed]
+    names = [v.name for v in load(unit).observed]
+    met: dict[str, set[float]] = {name: set() for name in BRANCHES.keys() & set(names)}
+    for job, by_fmu in zip(JOBS[unit], played[unit], strict=True):
         for step, (a, b, c) in enumerate(zip(by_fmu, by_instance(job), by_model(job), strict=True)):
             differing = [(n, *row) for n, *row in zip(names, a, b, c) if len(set(row)) > 1]
-            assert not differing, (job["unit"], step, differing)
-            for name in branches.keys() & set(names):
-                branches[name].add(float.fromhex(a[names.index(name)]))
-    assert branches == {"taut": {0.0, 1.0}, "docked": {0.0, 1.0}}, "the runs did not meet all branches"
+            assert not differing, (step, differing)
+            for name in met:
+                met[name].add(float.fromhex(a[names.index(name)]))
+    assert met == {name: BRANCHES[name] for name in met}, "the runs did not meet all branches"
 
 
-@pytest.fixture(scope="module")
-def variant(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """FMUs of the same names from sources with other physics."""
-    root = tmp_path_factory.mktemp("variant")
-    for folder in ("models", "fmus"):
-        shutil.copytree(ROOT / folder, root / "towage" / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    (root / "towage" / "__init__.py").touch()
-    for module, old, new in (
-        ("ship", "velocity = rate + z_rate", "velocity = 2.0 * (rate + z_rate)"),
-        ("spring_line", "return static_tension / k + heave_top", "return 1.0 + static_tension / k + heave_top"),
-        ("cradle", "return 0.5 * p.water_density", "return 0.75 * p.water_density"),
-    ):
-        file = root / "towage" / "models" / "heave" / f"{module}.py"
-        text = file.read_text()
-        assert text.count(old) == 1
-        file.write_text(text.replace(old, new))
-    command = (
-        f"import sys, pathlib; sys.path.insert(0, {str(root)!r}); from towage.fmus.python.build import build\n"
-        f"for name in {UNITS!r}: build(name, pathlib.Path({str(root / 'other')!r}))"
-    )
-    subprocess.run([sys.executable, "-I", "-c", command], check=True, cwd=root, timeout=60)
-    return root / "other"
+VARIANT = (
+    # the physics of some units, and what every unit of a flavour shows
+    ("heave/ship.py", "velocity = rate + z_rate", "velocity = 2.0 * (rate + z_rate)"),
+    ("heave/spring_line.py", "return static_tension / k + heave_top", "return 1.0 + static_tension / k + heave_top"),
+    ("heave/cradle.py", "return 0.5 * p.water_density", "return 0.75 * p.water_density"),
+    ("python/values.py", "        total = sum(observed)\n",
+     "        observed = [2.0 * v + 1.0 for v in observed]\n        total = sum(observed)\n"),
+    ("observe.c", "    outcome = check_finite(it, unit->first.observed, unit->observed);\n",
+     "    for (int i = 0; i < unit->observed; i++)\n"
+     "        observed[i] = 2.0 * observed[i] + 1.0;\n"
+     "    outcome = check_finite(it, unit->first.observed, unit->observed);\n"),
+)  # fmt: skip
+"""File, text there, and what another version has instead."""
 
 
+@pytest.fixture(scope="session")
+def variants(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """FMUs of the same names from sources with other physics, by flavour."""
+    shared = shared_directory(tmp_path_factory)
+
+    def sources(root: Path) -> None:
+        for folder in ("models", "fmus"):
+            shutil.copytree(ROOT / folder, root / "towage" / folder, ignore=shutil.ignore_patterns("__pycache__"))
+        (root / "towage" / "__init__.py").touch()
+        for name, old, new in VARIANT:
+            (file,) = (root / "towage").rglob(name)
+            text = file.read_text()
+            assert text.count(old) == 1, (name, old)
+            file.write_text(text.replace(old, new))
+
+    def built(flavour: str) -> Path:
+        root = once(shared / "variant", sources)
+
+        def build(directory: Path) -> None:
+            command = (
+                f"import sys, pathlib; sys.path.insert(0, {str(root)!r}); from towage.fmus.{flavour}.build import build\n"
+                f"for name in {FLAVOURS[flavour]!r}: build(name, pathlib.Path({str(directory)!r}))"
+            )
+            subprocess.run([sys.executable, "-I", "-c", command], check=True, cwd=root, timeout=600)
+
+        return once(shared / f"variant_{flavour}", build)
+
+    return built
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
 def test_two_versions_in_one_process_each_run_their_own_code(
-    fmus: Path, variant: Path, program: Program, tmp_path: Path
+    flavour: str, flavours: Callable[[str], Path], variants: Callable[[str], Path], program: Program, tmp_path: Path
 ) -> None:
     """Together, in both orders, and in a host that has imported the work tree, each gives what it gives alone."""
-    jobs = [random_job(unit, 7, steps=12) for unit in UNITS]
+    fmus, variant = flavours(flavour), variants(flavour)
+    jobs = [random_job(unit, 7, steps=12) for unit in FLAVOURS[flavour]]
     text = json.dumps(jobs)
     own = [a for (a,) in json.loads(program("play", tmp_path / "1", fmus, stdin=text))]
     other = [a for (a,) in json.loads(program("play", tmp_path / "2", variant, stdin=text))]
@@ -191,5 +214,10 @@ def test_two_versions_in_one_process_each_run_their_own_code(
     assert imported == [[b] for b in other]
 
 
-def test_states_of_another_version_are_refused(fmus: Path, variant: Path, program: Program, tmp_path: Path) -> None:
-    assert program("foreign", tmp_path, fmus / "ship.fmu", variant / "ship.fmu").strip() == "refused"
+@pytest.mark.parametrize("flavour", FLAVOURS)
+def test_states_of_another_version_are_refused(
+    flavour: str, flavours: Callable[[str], Path], variants: Callable[[str], Path], program: Program, tmp_path: Path
+) -> None:
+    pairs = [(flavours(flavour) / f"{unit}.fmu", variants(flavour) / f"{unit}.fmu") for unit in FLAVOURS[flavour]]
+    said = program("foreign", tmp_path, *(path for pair in pairs for path in pair)).split()
+    assert said == ["refused"] * len(pairs)

@@ -181,7 +181,8 @@ def test_without_a_compiler_the_message_says_what_to_do(tmp_path: Path, monkeypa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_compiler_that_fails_is_quoted(tmp_path: Path) -> None:
+def test_a_compiler_that_fails_is_quoted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CC", raising=False)
     with pytest.raises(BuildError, match=r"(?s)^cc .*unit\.c.*\nended with 1:.*‘g’|'g'"):
         compiler.library({"unit.c": b"int f(void) { return g; }"}, "ship", compiler.host())
 

@@ -23,8 +23,8 @@ from towage.fmus.python.instance import Instance
 from towage.models.protocol.variables import local
 
 from . import linear_example
-from .conftest import UNITS
-from .native_host import SINES, STARTS
+from .cases import CASES, NATIVE
+from .native_host import ESTIMATED, run_of
 
 Path3 = Callable[[str], Path]
 
@@ -65,7 +65,7 @@ def begin(tmp_path: Path) -> Iterator[Callable[..., Any]]:
         it.freeInstance()
 
 
-@pytest.mark.parametrize("name", UNITS)
+@pytest.mark.parametrize("name", NATIVE)
 def test_description(name: str, fmu3: Path3) -> None:
     """Valid, with the references of FMI 2, units whose display factors point the right way, and both interfaces."""
     path, unit = fmu3(name), load(name)
@@ -95,27 +95,32 @@ def test_description(name: str, fmu3: Path3) -> None:
         assert inputs == set(dependencies(unit)[unit.variables[unknown.variable.valueReference].name])
 
 
-@pytest.mark.parametrize("name", UNITS)
+@pytest.mark.parametrize("name", NATIVE)
 def test_co_simulation_in_fmpy_equals_the_instance(name: str, fmu3: Path3) -> None:
     unit, step = load(name), 0.125  # a power of two: fmpy adds times up
-    entry, a, w = SINES[name]
+    start, sines = run_of(fmu3(name))
     times = step * np.arange(33)
-    signal = np.array([(t, a * np.sin(w * t)) for t in times], dtype=[("time", float), (entry, float)])
+    signal = np.array(
+        [(t, *(a * np.sin(w * t) for a, w in sines.values())) for t in times],
+        dtype=[("time", float), *((entry, float) for entry in sines)],
+    )
     outputs = [v.name for v in unit.variables if v.causality == "output"]
     found = fmpy.simulate_fmu(
         str(fmu3(name)), fmi_type="CoSimulation", stop_time=4.0, step_size=step, output_interval=step,
-        start_values=STARTS[name], input=signal, output=outputs,
+        start_values=start, input=signal if sines else None, output=outputs,
     )  # fmt: skip
     it = Instance(unit)
-    it.set_values([unit.index[n] for n in STARTS[name]], list(STARTS[name].values()))
+    it.set_values([unit.index[n] for n in start], list(start.values()))
     it.enter_initialization()
     it.exit_initialization()
     for k in range(32):
-        it.set_values([unit.index[entry]], [float(signal[entry][k])])
+        it.set_values([unit.index[entry] for entry in sines], [float(signal[entry][k]) for entry in sines])
         it.do_step(float(times[k]), step)
         for n, value in zip(outputs, it.get_values([unit.index[n] for n in outputs])):
             # the traced code adds in another order: some 1e3 roundings
-            assert found[n][k + 1] == pytest.approx(value, rel=1e-10, abs=1e-10 * float(np.max(np.abs(found[n])))), (n, k)
+            allowed = 1e-10 * float(np.max(np.abs(found[n])))
+            if not (n in ESTIMATED and unit.model.linear):
+                assert found[n][k + 1] == pytest.approx(value, rel=1e-10, abs=allowed), (n, k)
 
 
 @pytest.mark.parametrize("name", ["ship", "cradle", "cradle_on_line"])
@@ -125,7 +130,7 @@ def test_model_exchange_finds_the_same_motion(name: str, fmu3: Path3) -> None:
     for kind in ("ModelExchange", "CoSimulation"):
         rows = fmpy.simulate_fmu(
             str(fmu3(name)), fmi_type=kind, stop_time=6.0, output_interval=0.5, relative_tolerance=1e-9,
-            start_values=STARTS[name] | ({"velocity_start": 1.5} if name != "ship" else {}), output=["heave", "velocity"],
+            start_values=CASES[name].start | ({"velocity_start": 1.5} if name != "ship" else {}), output=["heave", "velocity"],
         )  # fmt: skip
         # fmpy adds rows before and after each event
         ends.append(rows[[int(np.argmin(np.abs(rows["time"] - 0.5 * k))) for k in range(13)]])
@@ -176,7 +181,7 @@ def test_directional_and_adjoint_derivatives(linear: Path, fmu3: Path3, begin: C
 
 
 def test_output_derivatives_are_the_rates(fmu3: Path3, begin: Callable[..., Any]) -> None:
-    it, v = begin(fmu3("cradle"), **STARTS["cradle"])
+    it, v = begin(fmu3("cradle"), **CASES["cradle"].start)
     it.setFloat64([v["line_tension"].valueReference, v["line_tension_d1"].valueReference], [3e4, 2e3])
     it.doStep(0.0, 0.5)
     names = ("heave", "velocity")
@@ -187,7 +192,7 @@ def test_output_derivatives_are_the_rates(fmu3: Path3, begin: Callable[..., Any]
 
 
 def test_time_and_indicators_are_variables(fmu3: Path3, begin: Callable[..., Any]) -> None:
-    it, v = begin(fmu3("cradle_on_line"), **STARTS["cradle_on_line"])
+    it, v = begin(fmu3("cradle_on_line"), **CASES["cradle_on_line"].start)
     it.doStep(0.0, 0.5)
     assert it.getFloat64([v["time"].valueReference]) == [0.5]
     velocity, taut = it.getFloat64([v[n].valueReference for n in ("velocity", "event_taut")])

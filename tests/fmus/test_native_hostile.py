@@ -14,7 +14,8 @@ from towage.fmus.declare.unit import Unit, load
 from towage.fmus.native.trace import trace
 
 from . import linear_example
-from .conftest import UNITS, compiler_found
+from .cases import NATIVE
+from .conftest import compiler_found
 from .native_host import HOST, compile_c, write_sources
 
 SANITIZERS = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
@@ -30,6 +31,7 @@ LINEAR: dict[str, tuple[str, dict[str, float]]] = {
 }
 """Unit and structure: few states, so that many runs begin in the time."""
 EXAMPLE = "linear_example"
+SMALL = tuple(name for name in NATIVE if name not in (*LINEAR, "voyage"))
 
 
 def usable(unit: Unit) -> Unit:
@@ -86,7 +88,7 @@ def test_random_calls(seed: int, fuzz: Callable[[str, int, int], str]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 103))
-@pytest.mark.parametrize("name", (*UNITS, EXAMPLE))
+@pytest.mark.parametrize("name", (*SMALL, EXAMPLE))
 def test_many_random_calls(name: str, seed: int, fuzz: Callable[[str, int, int], str]) -> None:
     assert accepted(fuzz(name, seed, 300_000))[0] == 300_000
 

@@ -1,19 +1,14 @@
-"""The units `voyage` and `ship_in_sea`: their models through `Instance`, and the artefacts in a process of their own."""
+"""The units `voyage` and `ship_in_sea`: their models through `Instance`."""
 
 from __future__ import annotations
 
-import json
 import math
-import subprocess
-import sys
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from towage.fmus.declare.unit import load
-from towage.fmus.python.build import build, staged_modules
+from towage.fmus.python.build import staged_modules
 from towage.fmus.python.instance import Instance
 from towage.fmus.python.values import CallError
 from towage.models.route import voyage
@@ -21,57 +16,7 @@ from towage.models.route import voyage
 NAMES = ("voyage", "ship_in_sea")
 SEA = {"wave_height": 4.0, "speed": 6.0, "length": 120.0, "ramp_time": 0.0, "components": 30.0, "update_interval": 1.0}
 TABLE = {f"{c}_{k}": 3.0 + math.sin(0.7 * k + i) for i, c in enumerate(voyage.COLUMNS) for k in range(voyage.POINTS)}
-STARTS: dict[str, dict[str, float]] = {"voyage": {"duration": 30.0, **TABLE}, "ship_in_sea": SEA}
-SLOPES: dict[str, dict[str, float]] = {
-    "voyage": {}, "ship_in_sea": {"wave_height": 0.05, "wave_direction": 0.02, "reaction": 3e4},
-}  # fmt: skip
-
-PROGRAM = """
-import json, sys
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
-from fmpy.validation import validate_fmu
-
-path, work, values = sys.argv[1], sys.argv[2], json.loads(sys.argv[3])
-problems = validate_fmu(path)
-description = read_model_description(path)
-reference = {v.name: v.valueReference for v in description.modelVariables}
-outputs = [v.valueReference for v in description.modelVariables if v.causality in ("output", "local")]
-directory = extract(path, work)
-
-def make(name):
-    it = FMU2Slave(guid=description.guid, unzipDirectory=directory,
-                   modelIdentifier=description.coSimulation.modelIdentifier, instanceName=name)
-    it.instantiate(loggingOn=False)
-    for key, value in values["start"].items():
-        it.setReal([reference[key]], [value])
-    it.setupExperiment(startTime=0.0)
-    it.enterInitializationMode()
-    it.exitInitializationMode()
-    return it
-
-def run(it, first, count):
-    rows = []
-    for k in range(first, first + count):
-        for key, slope in values["slopes"].items():
-            it.setReal([reference[key], reference[key + "_d1"]], [values["start"].get(key, 0.0) + slope * 0.3 * k, slope])
-        it.doStep(0.3 * k, 0.3)
-        rows.append(it.getReal(outputs))
-    return rows
-
-it, other = make("a"), make("b")
-rows = run(it, 0, 12)
-state = it.getFMUState()
-first = run(it, 12, 12)
-it.setFMUState(state)
-again = run(it, 12, 12)
-data = it.serializeFMUstate(state)
-fresh = make("c")
-fresh.setFMUState(fresh.deSerializeFMUstate(data))
-print(json.dumps({"problems": problems, "rows": rows + first, "again": first == again,
-                  "serialized": run(fresh, 12, 12) == first, "other": run(other, 0, 12) == rows}))
-"""
-
+VOYAGE: dict[str, float] = {"duration": 30.0, **TABLE}
 
 def instance(name: str, **values: float) -> tuple[Instance, dict[str, int]]:
     unit = load(name)
@@ -84,26 +29,6 @@ def instance(name: str, **values: float) -> tuple[Instance, dict[str, int]]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_artefact(name: str, tmp_path: Path) -> None:
-    path, _ = build(name, tmp_path)
-    values = json.dumps({"start": STARTS[name], "slopes": SLOPES[name]})
-    done = subprocess.run([sys.executable, "-I", "-c", PROGRAM, str(path), str(tmp_path / "work"), values],
-                          cwd=tmp_path, capture_output=True, text=True, timeout=120)  # fmt: skip
-    assert done.returncode == 0, done.stderr[-2000:]
-    seen: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    assert seen["problems"] == []
-    assert seen["again"] and seen["serialized"] and seen["other"]
-    own, index = instance(name, **STARTS[name])
-    outputs = [index[v.name] for v in load(name).variables if v.causality in ("output", "local")]
-    for k, row in enumerate(seen["rows"]):
-        for key, slope in SLOPES[name].items():
-            own.set_values([index[key], index[f"{key}_d1"]], [STARTS[name].get(key, load(name).variables[index[key]].start or 0.0)
-                                                             * (key in STARTS[name]) + slope * 0.3 * k, slope])  # fmt: skip
-        own.do_step(0.3 * k, 0.3)
-        assert own.get_values(outputs) == row
-
-
-@pytest.mark.parametrize("name", NAMES)
 def test_the_fmus_carry_no_numpy(name: str) -> None:
     """Only `ops.arrays`, which no FMU calls, imports it, when called."""
     for text in staged_modules(name).values():
@@ -111,7 +36,7 @@ def test_the_fmus_carry_no_numpy(name: str) -> None:
 
 
 def test_voyage_goes_through_its_table() -> None:
-    made, index = instance("voyage", **STARTS["voyage"])
+    made, index = instance("voyage", **VOYAGE)
     columns = [index[c] for c in voyage.COLUMNS]
     step = 30.0 / (voyage.POINTS - 1)
     for k in range(voyage.POINTS):

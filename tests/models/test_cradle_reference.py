@@ -1,30 +1,53 @@
-"""Ship, line and cradle against reference values computed independently, through ``towage.verify.verify``."""
+"""Every reference value that was computed independently, through ``towage.verify.verify``."""
 
+import json
 import math
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from towage.errors import SceneError
 from towage.verify.cradle import SOLVERS
-from towage.verify.verify import check, compare, verify
+from towage.verify.verify import OWN_FILES, check, compare, verify
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "reference" / "cradle.json"
+OWN = {name: json.loads((files("towage") / "reference" / name).read_text("utf-8"))["cases"] for name in OWN_FILES}
+SHARED = Path(__file__).parents[2].parent / "shared" / "reference"
 EASY = {"B": 0.0, "r": 2.0, "y0": 0.0, "v0": 0.0, "tau": 1.0, "w": None}
+TIGHTER = {"slender.json": 1e-11}  # asked for: 1e-8, integrals 1e-10; measured at most 1.1e-12
 
 
-def test_own_copy_agrees() -> None:
-    results = verify()
-    assert {r.kind for r in results} >= set(SOLVERS)
-    assert [r for r in results if not r.ok] == []
+def listed(cases: dict[str, list[dict[str, Any]]]) -> list[Any]:
+    """(file, case), one scope of pytest-xdist a kind."""
+    return [
+        pytest.param(name, case, id=f"{name} {case['kind']}::{case.get('name', k)}")
+        for name, group in cases.items() for k, case in enumerate(group)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("file", "case"), listed(OWN))
+def test_own_copy_agrees(file: str, case: dict[str, Any]) -> None:
+    result = check(case)
+    assert result.ok, result.message
+    assert result.worst_error < TIGHTER.get(file, math.inf)
+
+
+def test_own_copy_is_what_verify_verifies_by_default(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every case once, of every kind."""
+    monkeypatch.setattr("towage.verify.verify.check", lambda case: case)
+    assert verify() == [case for cases in OWN.values() for case in cases]
+    assert {case["kind"] for cases in OWN.values() for case in cases} >= set(SOLVERS)
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not SHARED.exists(), reason="the shared reference values are not beside this repository")
-def test_shared_reference_agrees() -> None:
-    results = verify(SHARED)
-    assert len(results) >= 74
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared reference values are not beside this repository")
+@pytest.mark.parametrize("file", [name for name in OWN_FILES if (SHARED / name).is_file()])
+def test_shared_reference_agrees(file: str) -> None:
+    results = verify(SHARED / file)
+    assert len(results) > 5
     assert [r for r in results if not r.ok] == []
+    assert max(r.worst_error for r in results) < TIGHTER.get(file, math.inf)
 
 
 def test_rule_of_comparison() -> None:

@@ -37,6 +37,7 @@ class Loop:
 
     @property
     def name(self) -> str:
+        """The unit with the stiffness and those with the masses."""
         return " - ".join([self.unit, *self.masses])
 
 

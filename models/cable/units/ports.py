@@ -42,8 +42,10 @@ BODY_VELOCITY_SURGE = output(
 )
 BODY_VELOCITY_HEAVE = output("m/s", "Velocity of the body, up", display="ft/s", also=EVERY_INPUT)
 
-BodySurge = Annotated[Value, output("m", "Displacement of the body from the steady tow, forward", display="ft")]
-BodyHeave = Annotated[Value, output("m", "Displacement of the body from the steady tow, up", display="ft")]
+BODY_SURGE = output("m", "Displacement of the body from the steady tow, forward", display="ft")
+BODY_HEAVE = output("m", "Displacement of the body from the steady tow, up", display="ft")
+BodySurge = Annotated[Value, BODY_SURGE]
+BodyHeave = Annotated[Value, BODY_HEAVE]
 MarginSmallPerturbation = Annotated[
     Value, margin("1 - v / (perturbation_limit c), v the speed of the towpoint", also=EVERY_INPUT)
 ]

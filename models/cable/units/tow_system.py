@@ -20,7 +20,7 @@ Source: small-perturbation report on towed cables, in the time domain by ``cable
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, NamedTuple
 
 from ...numeric.matrix_ops import MatrixOps, numbers
@@ -28,7 +28,7 @@ from ...numeric.ops import Ops, Value
 from ...protocol.linear_model import LinearModel
 from ...protocol.model import Requirement, remembered
 from ...protocol.state_space import Comparison, Reduction, Setup, Study
-from ...protocol.variables import Rate, calculated_parameter, margin, parameter, state
+from ...protocol.variables import EVERY_INPUT, Rate, calculated_parameter, margin, parameter, state
 from ..case import Tow
 from ..lumped.fidelity import Chosen, choose
 from ..lumped.linear import PROFILE, Rows, StateSpace, elastic_model, rigid_model
@@ -82,8 +82,9 @@ class Outputs(NamedTuple):
     reaction_heave: Annotated[Value, ports.REACTION_HEAVE]
     tension_top: Annotated[Value, ports.TENSION_TOP]
     tension_body: Annotated[Value, ports.TENSION_BODY]
-    body_surge: ports.BodySurge
-    body_heave: ports.BodyHeave
+    # a reduced model moves the body at once by what the modes left out would have answered
+    body_surge: Annotated[Value, replace(ports.BODY_SURGE, also=EVERY_INPUT)]
+    body_heave: Annotated[Value, replace(ports.BODY_HEAVE, also=EVERY_INPUT)]
     body_velocity_surge: Annotated[Value, ports.BODY_VELOCITY_SURGE]
     body_velocity_heave: Annotated[Value, ports.BODY_VELOCITY_HEAVE]
     margin_small_perturbation: ports.MarginSmallPerturbation

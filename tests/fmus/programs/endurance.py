@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from host import OK, STARTS, random_inputs, resident, run_checks
+from host import OK, random_inputs, resident, run_checks, wrong
 
 
 def run(it):
@@ -21,14 +21,14 @@ def run(it):
 
 def check_fifty_lives(fmu):
     """Instantiate, run, free, fifty times, then as often with a failure: the same result, no growth."""
-    first = run(fmu.ready(STARTS[fmu.name]))
+    first = run(fmu.ready(fmu.start))
     path = list(sys.path)
     for failing in (False, True):
         sizes = []
         for k in range(50):
-            it = fmu.ready(STARTS[fmu.name], f"life {k}")
+            it = fmu.ready(fmu.start, f"life {k}")
             if failing:
-                assert it.set({fmu.inputs[0]: float("nan")}) == fmu.refusal
+                assert it.set(wrong(fmu)) == fmu.refusal
             elif k % 10 == 0:
                 assert run(it) == first
             it.free()
@@ -41,7 +41,7 @@ def check_fifty_lives(fmu):
 
 def check_ten_thousand_steps_and_states(fmu):
     """Memory stays where it is."""
-    it = fmu.ready(STARTS[fmu.name])
+    it = fmu.ready(fmu.start)
     values = random_inputs(fmu, random.Random(4))
     sizes = []
     for k in range(10_000):

@@ -3,6 +3,7 @@
 fmpy finds and loads the library; all calls then go straight to its functions, so that what is seen is what an FMU says.
 """
 
+import json
 import sys
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
 from pathlib import Path
@@ -52,6 +53,12 @@ class Fmu:
             if v.causality in ("output", "local") and not n.startswith(("state.", "der(state."))
         ]  # what both flavours show
         self.inputs = [n for n, v in self.variables.items() if v.causality == "input"]
+        self.cases = CASES[self.name]["inputs"]
+        """Centre and size of every input."""
+        self.fixed = {n: float(v.start) for n, v in self.variables.items() if v.min is not None and v.min == v.max}
+        """What the build of a native FMU fixed: it has that value and no other."""
+        self.start = {n: self.fixed.get(n, value) for n, value in CASES[self.name]["start"].items()}
+        """Start values of a run."""
 
     def instantiate(self, name="it", logging=True, guid=None):
         """A new instance; `Slave.component` is None where it was refused."""
@@ -192,28 +199,21 @@ def resident():
 
 assert "towage" not in sys.modules
 
-STARTS = {
-    "ship": {"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0},
-    "spring_line": {"stiffness": 1e4, "static_tension": 2e4, "length": 30.0, "breaking_load": 2e5, "wave_speed": 900.0},
-    "cradle": {"mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0, "submersible_mass": 8e3},
-    "cradle_on_line": {
-        "stiffness": 1e4, "mass": 5e3, "drag_area": 10.0, "weight_in_water": 2e4, "docking_time": 3.0,
-        "submersible_mass": 8e3,
-    },
-}  # fmt: skip
-SIZES = {
-    "reaction": 5e4, "heave_top": 4.0, "heave_bottom": 4.0, "line_tension": 3e4, "submersible_velocity": 0.5,
-}  # fmt: skip
-"""Sizes of random inputs, large enough to make the line slack at times."""
+CASES = json.loads(Path(__file__).with_name("cases.json").read_text())
 
 
 def random_inputs(fmu, rng):
-    """A random cubic for every input."""
+    """A random cubic for every input, as `cases.Case.cubics`."""
     return {
-        f"{name}{suffix}": SIZES[name] * rng.uniform(-1.0, 1.0)
-        for name in fmu.inputs
+        f"{name}{suffix}": (0.0 if suffix else centre) + size * rng.uniform(-1.0, 1.0)
+        for name, (centre, size) in fmu.cases.items()
         for suffix in ("", "_d1", "_d2", "_d3")
     }
+
+
+def wrong(fmu):
+    """A value that no unit takes once it is stepping: no number for an input, or any for a fixed parameter."""
+    return {fmu.inputs[0]: float("nan")} if fmu.inputs else {next(iter(fmu.start)): 1.0}
 
 
 def only(*units, flavour=None):
@@ -231,7 +231,6 @@ def only(*units, flavour=None):
 def run_checks(names):
     """Run ``check_*(fmu)`` of a program for every FMU; a line of JSON each, so that a crash does not take those before
     with it. Arguments: directory of FMUs, directory to unpack to, units."""
-    import json
     import traceback
 
     directory, work, *units = sys.argv[1:]

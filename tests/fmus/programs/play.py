@@ -11,26 +11,23 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from host import OK, Fmu
+from host import CASES, OK, Fmu
 
 work, *directories = sys.argv[1:]
 if "--import" in directories:
     *directories, _, tree = directories
     sys.path.insert(0, tree)
-    for module in (
-        "towage.fmus.python.slave",
-        "towage.fmus.ship",
-        "towage.fmus.cradle_on_line",
-        "towage.fmus.spring_line",
-    ):
-        importlib.import_module(module)
+    for module in ("python.slave", *CASES):
+        importlib.import_module(f"towage.fmus.{module}")
     # what an FMU of another origin may bring along
     sys.modules["models"] = sys.modules["towage.models"]
     sys.modules["fmus"] = sys.modules["towage.fmus"]
 
 jobs, answers = json.load(sys.stdin), []
 for job in jobs:
-    players = [Fmu(f"{d}/{job['unit']}.fmu", work).ready(job["start"]) for d in directories]
+    fmus = [Fmu(f"{d}/{job['unit']}.fmu", work) for d in directories]
+    # what the build of a native FMU fixed stays so
+    players = [fmu.ready(job["start"] | {n: v for n, v in fmu.start.items() if n in fmu.fixed}) for fmu in fmus]
     answers.append([[] for _ in players])
     for time, size, inputs, read in job["steps"]:
         for it, seen in zip(players, answers[-1]):
