@@ -135,6 +135,8 @@ HEAVY = ("numpy", "scipy", "fmpy", "matplotlib", "rich", "pythonfmu")
     ids=["import", "names", "help", "validate"],
 )
 def test_light_commands_load_no_heavy_modules(code: str, short: Path) -> None:
+    """Once the FMUs are built: to build one runs its model."""
+    assert call("validate", short) == 0
     done = shell(code=f"SCENE = {str(short)!r}\n{code}\nimport sys\nprint([m for m in {HEAVY!r} if m in sys.modules])")
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "[]"

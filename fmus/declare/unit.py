@@ -22,7 +22,7 @@ class BuildError(Exception):
     """An FMU cannot be built here, or not at all; the message says why and what to do."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Variable(Quantity):
     """A scalar of a unit's interface: a quantity with its name."""
 
@@ -61,7 +61,7 @@ INTEGRATION_TOLERANCE = named(
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False, eq=False)
 class Unit:
     """A unit's declaration.
 

@@ -1,6 +1,6 @@
-"""A smooth start: from 0 to 1 over a given time, twice continuously differentiable.
+"""A smooth change: from 0 to a height over a given time, twice continuously differentiable.
 
-    r = s^3 (10 - 15 s + 6 s^2),   s = t/duration within [0, 1]
+    r = a s^3 (10 - 15 s + 6 s^2),   s = t/duration within [0, 1]
 """
 
 from __future__ import annotations
@@ -8,18 +8,18 @@ from __future__ import annotations
 from .ops import NEGLIGIBLE, Ops, Value
 
 
-def ramp(t: Value, duration: Value, ops: Ops) -> tuple[Value, Value, Value]:
-    """r and its first two time derivatives, 1, 1/s, 1/s2, at ``t``, s; a ``duration`` of 0 s: r = 1."""
+def ramp(t: Value, duration: Value, ops: Ops, height: Value = 1.0) -> tuple[Value, Value, Value]:
+    """r and its first two time derivatives, per s and per s2, at ``t``, s; a ``duration`` of 0 s: r is the height a."""
     scale = ops.where(duration > NEGLIGIBLE, 1.0 / ops.where(duration > NEGLIGIBLE, duration, 1.0), 0.0)
     s = ops.where(duration > NEGLIGIBLE, ops.minimum(1.0, ops.maximum(0.0, t * scale)), 1.0)
-    r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+    r = height * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     rest = 1.0 - s
-    r1 = 30.0 * s * s * rest * rest * scale
-    r2 = 60.0 * s * rest * (1.0 - 2.0 * s) * scale * scale
+    r1 = height * 30.0 * s * s * rest * rest * scale
+    r2 = height * 60.0 * s * rest * (1.0 - 2.0 * s) * scale * scale
     return r, r1, r2
 
 
 def ramp_integral(t: Value, duration: Value, ops: Ops) -> Value:
-    """Integral of r from 0 to ``t``, s, within 0 to ``duration`` > 0, s."""
+    """Integral of r, of height 1, from 0 to ``t``, s, within 0 to ``duration`` > 0, s."""
     s = ops.minimum(1.0, ops.maximum(0.0, t / duration))
     return duration * s**4 * (2.5 - 3.0 * s + s * s)

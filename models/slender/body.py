@@ -37,7 +37,7 @@ import math
 from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
-from ..numeric.ops import Ops, Value
+from ..numeric.ops import NEGLIGIBLE, Ops, Value
 from ..protocol.linear_model import LinearModel, NoOwn
 from ..protocol.state_space import Setup
 from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output
@@ -141,7 +141,7 @@ def observe(
     slope = ops.abs(angle)
     for each in slopes:
         slope = ops.maximum(slope, ops.abs(each))
-    moves = speed > 0.0
+    moves = speed > NEGLIGIBLE
     decay = ops.where(moves, -growth * p.length / (PER_LENGTH * ops.where(moves, speed, 1.0)), 1.0)
     return Outputs(
         tension, tension * angle, tip, tail, angle, yaw, growth, ops.maximum(-1e9, ops.minimum(1.0, decay)),

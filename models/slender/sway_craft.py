@@ -98,9 +98,9 @@ class Calculated(NamedTuple):
 
 def tow_speed(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
     """U, m/s, and its rate, m/s2."""
-    r, r1, _ = ramp(t - p.speed_change_start, p.speed_change_time, ops)
     change = ops.where(p.speed_change_time > NEGLIGIBLE, p.speed_end - p.speed_start, 0.0)
-    return p.speed_start + change * r, change * r1
+    risen, rate, _ = ramp(t - p.speed_change_start, p.speed_change_time, ops, change)
+    return p.speed_start + risen, rate
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

@@ -62,7 +62,7 @@ def test_processes_that_build_and_unpack_at_once_all_succeed(tmp_path: Path) -> 
     assert [one.wait(100) for one in runs] == [0, 0, 0]
     texts = {(tmp_path / str(k) / "scene.csv").read_bytes() for k in range(3)}
     assert len(texts) == 1
-    entries = [*(tmp_path / "cache" / "fmus").iterdir(), *(tmp_path / "cache" / "unpacked").iterdir()]
+    entries = [*(tmp_path / "cache" / "fmus").glob("*/*"), *(tmp_path / "cache" / "unpacked").iterdir()]
     assert sorted(entry.suffix for entry in entries) == ["", ".fmu"], "one FMU, unpacked once, nothing left behind"
 
 

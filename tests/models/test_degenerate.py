@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from towage.fmus.declare.unit import load
+from towage.fmus.python.instance import Instance
 from towage.models.heave import cradle, linear, orbits, sdof, ship, spring_line
 from towage.models.heave.sdof import Pair
 from towage.models.numeric.ops import FLOATS
@@ -176,3 +178,15 @@ def test_heave_of_a_hull_without_breadth_is_finite_at_resonance() -> None:
     omega = 2.0
     hull = heave_response.Hull(10.0, 0.0, 0.5, 1.0)
     assert 1e40 < heave_response.heave_rao(omega, 0.0, 0.0, hull, FLOATS, gravity=4.0) < math.inf
+
+
+def test_slender_body_that_hardly_moves() -> None:
+    """As one at rest: the margin of stability is per length of path."""
+    found = []
+    for speed in (0.0, 5e-324, 1e-160):
+        it = Instance(load("slender_body"))
+        it.set_values([it.unit.index["tow_speed"]], [speed])
+        it.enter_initialization()
+        it.exit_initialization()
+        found.append(it.get_values([it.unit.index["margin_stability"]])[0])
+    assert found[0] == found[1] == found[2] == 1.0

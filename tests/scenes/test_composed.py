@@ -94,7 +94,7 @@ def test_line_that_is_slack_for_a_moment_inside_a_step() -> None:
     scene = Scene.load("docking").case("plastic capture")
     ship = scene.units["ship"]
     ship = replace(ship, parameters=ship.parameters | {"heave_amplitude": 1.07})
-    found = replace(scene, units=scene.units | {"ship": ship}, cases=()).resolve(locator())
+    found = described(replace(scene, units=scene.units | {"ship": ship}, cases=()), locator())
     player = Player(unit_of(found, "docking"), integration_tolerance=1e-8)
     time = 0.125 * np.arange(1, 861)
     heave = np.array([player.advance(t)["cradle.heave"] for t in time])

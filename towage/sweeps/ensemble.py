@@ -76,8 +76,11 @@ def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int
 
 
 def _left_out(scene: Scene) -> str:
-    checks = {"SDOF comparison": "sdof", "comparison with the simpler model": "simpler"}
-    return " and the ".join(name for name, check in checks.items() if scene.checks.get(check))
+    """The checks that the scene asks for, none of which an ensemble makes; empty without any."""
+    known = {"sdof": "SDOF comparison", "simpler": "comparison with the simpler model"}
+    asked = scene.checks.sections
+    names = [*(name for name in known if name in asked), *(name for name in asked if name not in known)]
+    return " and the ".join(known.get(name, f"check {name}") for name in names)
 
 
 def _note(scene: Scene, members: Members) -> str:

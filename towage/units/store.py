@@ -10,6 +10,7 @@ import functools
 import hashlib
 import os
 from collections.abc import Callable, Mapping
+from importlib import metadata
 from pathlib import Path
 
 from towage.errors import FmuError
@@ -54,13 +55,19 @@ def locator(directory: Path | None = None) -> Locate:
 
 @functools.cache
 def _python(name: str, directory: Path) -> Path:
-    """The Python flavour, compared with its sources once a process. Raises `FmuError`."""
+    """The Python flavour: that of a shipped unit in a folder of its sources, built where it is not there or damaged; that
+    of another package compared with its sources once a process. Raises `FmuError`."""
+    from towage.fmus.describe import archive
+
+    place = directory / f"{_sources()}-{metadata.version('pythonfmu')}" / f"{name}.fmu"
+    if name in UNITS.own and archive.read(place):
+        return place
     from towage.fmus.declare.unit import BuildError
     from towage.fmus.python.build import build, build_unit
 
     try:
         if name in UNITS.own:
-            return build(name, directory)[0]
+            return build(name, place.parent)[0]
         unit = UNITS.get(name)
         if unit.name != name:
             raise FmuError(f"is called {unit.name!r} by its declaration and {name!r} by its entry point: name both alike")
@@ -79,7 +86,7 @@ def native_place(name: str, structure: Structure) -> Path:
 
 @functools.cache
 def _sources() -> str:
-    """Digest of all that a native FMU is made of: models, declarations, runtime."""
+    """Digest of all that an FMU is made of: models, declarations, runtime."""
     from towage import fmus, models
 
     digest = hashlib.sha256()
