@@ -17,6 +17,8 @@ FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-c
 DONE, REFUSED, NO_STEP = range(3)
 CO_SIMULATION, MODEL_EXCHANGE = range(2)
 Library = tuple[ctypes.CDLL, Traced]
+GENERATED = ("-std=c99", "-O0", "-ffp-contract=off", "-fPIC")
+"""Thousands of straight lines, which take the compiler longer to improve than a test to run."""
 TOLERANT = {"model.c"}
 """Generated files, in which unused variables are no mistake."""
 
@@ -30,7 +32,7 @@ def compile_library(names: Iterable[str], path: Path, **more: str) -> ctypes.CDL
     objects = []
     for name in (*names, *(f"{name}.c" for name in more)):
         objects.append(folder / f"{name}.o")
-        flags = [f for f in FLAGS if name not in TOLERANT or not f.startswith("-W")]
+        flags = GENERATED if name in TOLERANT else FLAGS
         subprocess.run([*compiler(host()), *flags, "-c", str(folder / name), "-o", str(objects[-1])], check=True)
     subprocess.run([*compiler(host()), "-shared", *map(str, objects), "-o", str(path), "-lm"], check=True)
     return ctypes.CDLL(str(path))
