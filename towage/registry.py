@@ -140,6 +140,7 @@ CHECKS = Registry(
     "check",
     "towage.checks.check:Check",
     {
+        "inputs": "towage.checks.inputs:CHECK",
         "step": "towage.checks.step:CHECK",
         "error": "towage.checks.error:CHECK",
         "sdof": "towage.checks.sdof:CHECK",

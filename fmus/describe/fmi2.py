@@ -72,6 +72,7 @@ def _root(unit: Unit, guid: str, indicators: int) -> Element:
 
 def _document(root: Element, interface: Interface) -> bytes:
     preamble(root, interface.variables)
+    _unset_inputs(root, interface.unit)
     variables, layout = SubElement(root, "ModelVariables"), interface.layout
     for reference, v in enumerate(interface.variables):
         real = _variable(variables, reference, v)
@@ -96,6 +97,15 @@ def preamble(root: Element, variables: Iterable[Variable]) -> None:
     for name, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
     SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+
+
+def _unset_inputs(root: Element, unit: Unit) -> None:
+    """What it means that an input is neither connected nor set, for towage: ``needed``, or in words."""
+    said = [v for v in unit.inputs if v.needed or v.unset]
+    if said:
+        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
+        for v in said:
+            SubElement(tool, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})
 
 
 def _units(root: Element, variables: Iterable[Variable]) -> None:

@@ -53,7 +53,9 @@ class Modes(NamedTuple):
 class Inputs(NamedTuple):
     """What a control surface adds."""
 
-    offset_lift: Annotated[Value, input_variable("N", "Lift on top of the prescribed one", display="lbf")]
+    offset_lift: Annotated[
+        Value, input_variable("N", "Lift on top of the prescribed one", display="lbf", unset="the prescribed lift alone")
+    ]
 
 
 class Outputs(NamedTuple):

@@ -55,12 +55,18 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Changes of force."""
+    """Changes of force; without those of the cable the body stays where it is."""
 
-    force_surge: Annotated[Value, input_variable("N", "Change of the cable's force, forward", display="lbf")]
-    force_heave: Annotated[Value, input_variable("N", "Change of the cable's force, up", display="lbf")]
-    drag_change: Annotated[Value, input_variable("N", "Change of the drag, aft", display="lbf")]
-    lift_change: Annotated[Value, input_variable("N", "Change of the lift, up", display="lbf")]
+    force_surge: Annotated[
+        Value, input_variable("N", "Change of the cable's force, forward", display="lbf", needed=True)
+    ]
+    force_heave: Annotated[Value, input_variable("N", "Change of the cable's force, up", display="lbf", needed=True)]
+    drag_change: Annotated[
+        Value, input_variable("N", "Change of the drag, aft", display="lbf", unset="no force but the cable's")
+    ]
+    lift_change: Annotated[
+        Value, input_variable("N", "Change of the lift, up", display="lbf", unset="no force but the cable's")
+    ]
 
 
 class Outputs(NamedTuple):

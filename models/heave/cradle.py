@@ -27,6 +27,7 @@ from typing import Annotated, NamedTuple
 
 from ..numeric.ops import NEGLIGIBLE, NEVER, Ops, Value
 from ..protocol.model import Model, Requirement
+from ..protocol.physical import GRAVITY, water, weight_below_gravity
 from ..protocol.variables import (
     NextEvent,
     Rate,
@@ -39,7 +40,6 @@ from ..protocol.variables import (
     tunable,
 )
 
-GRAVITY = 9.80665
 REYNOLDS_SHARE = 0.1
 """Largest drag at uncertain C_D (below the critical Reynolds number) as a share of the weight carried."""
 
@@ -100,14 +100,18 @@ MarginDragReynolds = Annotated[
 ]
 Docked = Annotated[Value, local("1", "1 with the submersible aboard", discrete=True)]
 SubmersibleVelocity = Annotated[
-    Value, input_variable("m/s", "Vertical velocity of the submersible when it docks, positive up", display="ft/s")
-]
+    Value,
+    input_variable(
+        "m/s", "Vertical velocity of the submersible when it docks, positive up", display="ft/s",
+        unset="the submersible hovers where it docks",
+    ),
+]  # fmt: skip
 
 
 class Inputs(NamedTuple):
-    """From the line, and from the submersible at docking."""
+    """From the line, without whose pull the body falls, and from the submersible at docking."""
 
-    line_tension: Annotated[Value, input_variable("N", "Tension of the line", display="lbf")]
+    line_tension: Annotated[Value, input_variable("N", "Tension of the line", display="lbf", needed=True)]
     submersible_velocity: SubmersibleVelocity
 
 
@@ -177,9 +181,18 @@ def margin_drag_reynolds(velocity: Value, docked: Value, p: Parameters, ops: Ops
 
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
-    """What docks has a mass."""
+    """What docks has a mass; neither it nor the cradle weighs more in water than in air; there is such a water."""
     text = "docking_time is set but submersible_mass is 0: give the mass that docks, or a negative docking_time"
-    return ((ops.where(p.docking_time >= 0.0, p.submersible_mass, 1.0), text),)
+    docks = p.docking_time >= 0.0
+    possible, why = weight_below_gravity(
+        p.submersible_weight_in_water, p.submersible_mass, "submersible_weight_in_water", "submersible_mass", ops
+    )
+    return (
+        (ops.where(docks, p.submersible_mass, 1.0), text),
+        weight_below_gravity(p.weight_in_water, p.mass, "weight_in_water", "mass", ops),
+        (ops.where(docks, possible, 1.0), why),
+        water(p.water_density, ops),
+    )
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

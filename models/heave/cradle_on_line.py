@@ -40,9 +40,9 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """From the ship, and from the submersible at docking."""
+    """From the ship, without which the line hangs from a fixed point, and from the submersible at docking."""
 
-    heave_top: Annotated[Value, input_variable("m", "Heave of the upper end, positive up", display="ft")]
+    heave_top: Annotated[Value, input_variable("m", "Heave of the upper end, positive up", display="ft", needed=True)]
     submersible_velocity: cradle.SubmersibleVelocity
 
 
@@ -87,7 +87,8 @@ def _line(y: Value, u: Inputs, taut: Value, p: Parameters, ops: Ops) -> tuple[Va
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Those of both parts."""
-    return spring_line.requirements(p, ops) + cradle.requirements(p, ops)
+    bears = spring_line.bears(p.weight_in_water, p.breaking_load, "weight_in_water", ops)
+    return spring_line.stiff(p, ops), bears, *cradle.requirements(p, ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

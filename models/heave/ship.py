@@ -70,8 +70,12 @@ class Modes(NamedTuple):
 
 
 Reaction = Annotated[
-    Value, input_variable("N", "Excess of the line's pull over its static value, down on the ship", display="lbf")
-]
+    Value,
+    input_variable(
+        "N", "Excess of the line's pull over its static value, down on the ship", display="lbf",
+        unset="one way: the line does not move the ship",
+    ),
+]  # fmt: skip
 Heave = Annotated[Value, output("m", "Heave of the point that holds the line, positive up", display="ft")]
 Velocity = Annotated[Value, output("m/s", "Heave velocity, positive up", display="ft/s")]
 FreeHeave = Annotated[Value, output("m", "Heave without the line's reaction", display="ft")]

@@ -77,8 +77,10 @@ class Modes(NamedTuple):
 class Inputs(NamedTuple):
     """Both ends, from the static equilibrium."""
 
-    heave_top: Annotated[Value, input_variable("m", "Heave of the upper end, positive up", display="ft")]
-    heave_bottom: Annotated[Value, input_variable("m", "Heave of the lower end, positive up", display="ft")]
+    heave_top: Annotated[Value, input_variable("m", "Heave of the upper end, positive up", display="ft", needed=True)]
+    heave_bottom: Annotated[
+        Value, input_variable("m", "Heave of the lower end, positive up", display="ft", needed=True)
+    ]
 
 
 Tension = Annotated[Value, output("N", "Tension, never negative", display="lbf")]
@@ -168,11 +170,25 @@ def margins(
     return taut, breaking, 1.0 - travel_time * ops.abs(tension_rate) / (PROPAGATION_LIMIT * scale)
 
 
-def requirements(p: Elasticity, ops: Ops) -> tuple[Requirement, ...]:
+def stiff(p: Elasticity, ops: Ops) -> Requirement:
     """A line needs its stiffness in one of two ways."""
     given = ops.maximum(p.stiffness, ops.minimum(p.axial_stiffness, p.length)) - NEGLIGIBLE
     text = "stiffness is 0 and so is axial_stiffness / length: give stiffness, or axial_stiffness and length"
-    return ((given, text),)
+    return given, text
+
+
+def bears(static_tension: Value, breaking_load: Value, load: str, ops: Ops) -> Requirement:
+    """A line that breaks above its static tension, N, if it is known to break; ``load`` is the parameter that gives it."""
+    text = (
+        f"{load}, which the line carries at rest, reaches breaking_load: take a stronger line, a lighter load, or 0 for a "
+        "breaking_load that is not known"
+    )
+    return ops.where(breaking_load > 0.0, breaking_load - static_tension, 1.0), text
+
+
+def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
+    """A stiffness, and a strength that bears what hangs on the line."""
+    return stiff(p, ops), bears(p.static_tension, p.breaking_load, "static_tension", ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:

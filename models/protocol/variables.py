@@ -31,7 +31,8 @@ class Quantity:
     """A variable without its name. ``causality`` and ``variability`` are FMI's.
 
     ``also`` names inputs that act on an output without delay although its formula does not contain them: what
-    `numeric.dependence` cannot find by tracing the model's functions.
+    `numeric.dependence` cannot find by tracing the model's functions. ``needed`` and ``unset`` are of inputs:
+    see `input_variable`.
     """
 
     unit: str
@@ -44,6 +45,8 @@ class Quantity:
     max: float | None = None
     nominal: float | None = None
     also: tuple[str, ...] = ()
+    needed: bool = False
+    unset: str = ""
 
 
 def parameter(
@@ -70,10 +73,13 @@ def calculated_parameter(unit: str, description: str, *, display: str | None = N
 
 def input_variable(
     unit: str, description: str, *,
-    start: float = 0.0, display: str | None = None, min: float | None = None,
+    start: float = 0.0, display: str | None = None, min: float | None = None, needed: bool = False, unset: str = "",
 ) -> Quantity:  # fmt: skip
-    """A continuous input; it has the value ``start`` where nothing is connected."""
-    return Quantity(unit, description, start, "input", "continuous", display, min)
+    """A continuous input; it has the value ``start`` where nothing is connected and nothing is set.
+
+    ``needed``: the model means nothing without it, so that a scene has to connect or set it. ``unset``: what ``start``
+    means, in words, where that is a case of its own; an input with neither may have been forgotten."""
+    return Quantity(unit, description, start, "input", "continuous", display, min, needed=needed, unset=unset)
 
 
 def output(

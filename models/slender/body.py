@@ -51,9 +51,10 @@ PER_LENGTH = 0.1
 
 
 class Inputs(NamedTuple):
-    """What the craft does."""
+    """What the craft does. A body that is not towed has no theory; a craft that is not given holds its course, or was
+    forgotten."""
 
-    tow_speed: Annotated[Value, input_variable("m/s", "Tow speed", display="kn", min=0.0)]
+    tow_speed: Annotated[Value, input_variable("m/s", "Tow speed", display="kn", min=0.0, needed=True)]
     craft_lateral: Annotated[
         Value, input_variable("m", "Lateral position of the towing craft, positive to port", display="ft")
     ]

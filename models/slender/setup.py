@@ -25,6 +25,7 @@ import numpy as np
 from ..numeric.matrix_ops import MatrixOps
 from ..numeric.ops import FLOATS, NEVER, Ops, Value
 from ..protocol.model import Requirement, refusal_of
+from ..protocol.physical import solid_cylinder, water
 from ..protocol.state_space import Resolution, Setup, Study
 from ..protocol.variables import parameter
 from . import coefficients as slender_coefficients
@@ -193,6 +194,10 @@ def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
         (sum(ops.where(p.shape_functions == k, 1.0, 0.0) for k in range(FEWEST, MOST + 1)),
          f"shape_functions: expected a whole number from {FEWEST} to {MOST}"),
     ]  # fmt: skip
+    own += [
+        water(p.water_density, ops),
+        solid_cylinder(p.mass_per_length, p.diameter, "mass_per_length", "diameter", ops),
+    ]
     numbers = dimensionless(replace(p, **held), ops)
     own += slender_coefficients.requirements(numbers, ops)
     tension = ends(where_met(own, numbers, ops), ops).tension

@@ -68,8 +68,12 @@ class Inputs(NamedTuple):
     """From the rope."""
 
     lateral_force: Annotated[
-        Value, input_variable("N", "Lateral force of the rope, positive to port", display="lbf")
-    ]
+        Value,
+        input_variable(
+            "N", "Lateral force of the rope, positive to port", display="lbf",
+            unset="one way: the rope does not move the craft",
+        ),
+    ]  # fmt: skip
 
 
 class Outputs(NamedTuple):

@@ -6,20 +6,21 @@ import argparse
 
 from towage.commands import common
 
-HELP = "check scene files: structure, names, units, connections"
+HELP = "check scene files: structure, names, units, connections, inputs, bodies that cannot be"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of ``towage validate``."""
     parser.add_argument("scenes", metavar="SCENE", nargs="+", help="a scene file, or the name of a shipped scene")
     common.add_fmus(parser)
-    parser.epilog = "No code of a unit runs.\n\nexample:\n  towage validate sea_cliff my_scene.toml"
+    parser.epilog = "No FMU is loaded.\n\nexample:\n  towage validate sea_cliff my_scene.toml"
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all are right, 2 if one is not."""
     from towage.cli import complain
     from towage.errors import TowageError
+    from towage.scene.inputs import unset_text
     from towage.scene.resolve import check_all
     from towage.scene.scene import Scene
     from towage.units.store import locator
@@ -27,8 +28,10 @@ def execute(arguments: argparse.Namespace) -> int:
     code, locate = 0, locator(arguments.fmus)
     for name in arguments.scenes:
         try:
-            check_all(Scene.load(name), locate)
+            forgotten = check_all(Scene.load(name), locate)
             print(f"{name}: ok", flush=True)
+            if forgotten:
+                print(f"  warning  inputs: {unset_text(forgotten)}", flush=True)
         except TowageError as error:
             complain(str(error))
             code = error.exit_code

@@ -19,7 +19,7 @@ from towage.units.store import locator
 def scene_unit(path_or_name: str | Path, case: str | None = None) -> Unit:
     """The scene of a file, or a shipped one, as a unit; ``case`` sets the start values of its parameters. Raises
     `SceneError`, also for a scene that cannot be composed."""
-    return unit_of(described(select(path_or_name, case), locator()), Path(path_or_name).stem)
+    return unit_of(described(select(path_or_name, case), locator(), open_ends=True), Path(path_or_name).stem)
 
 
 def unit_of(resolved: ResolvedScene, name: str) -> Unit:

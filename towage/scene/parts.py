@@ -16,10 +16,21 @@ Seconds = Annotated[float, msgspec.Meta(extra={"unit": "s"})]
 
 
 class UnitEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``[units.NAME]``: a shipped unit's name or the path of an .fmu, and values as written."""
+    """``[units.NAME]``: a shipped unit's name or the path of an .fmu, and values as written. ``inputs`` are constants for
+    inputs that nothing is connected to; ``parameters`` may hold such constants too, as before there was a table for them."""
 
     fmu: str
     parameters: dict[str, Value] = {}
+    inputs: dict[str, Value] = {}
+
+    @property
+    def values(self) -> dict[str, Value]:
+        """All values, of parameters and inputs."""
+        return {**self.parameters, **self.inputs}
+
+    def table(self, variable: str) -> str:
+        """The table in which ``variable`` stands, or would: ``inputs`` or ``parameters``."""
+        return "inputs" if variable in self.inputs else "parameters"
 
 
 class Coupling(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

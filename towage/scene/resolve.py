@@ -16,6 +16,8 @@ from msgspec.structs import replace
 
 from towage.errors import SceneError, TowageError
 from towage.registry import SCHEMES
+from towage.scene.inputs import check_constants, unset_inputs
+from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.values import Names, Values, with_article
 from towage.units.archive import read_description
@@ -58,7 +60,8 @@ class ResolvedVariant(msgspec.Struct, frozen=True):
 class ResolvedScene(msgspec.Struct, frozen=True):
     """A scene in which everything named exists and fits. ``record`` is (unit, variable); ``loops`` the algebraic ones,
     as "a.y -> b.u -> b.y -> a.u -> a.y": solved by the implicit scheme, or only presumed, for want of declarations;
-    ``variants`` the other runs that its checks ask for."""
+    ``variants`` the other runs that its checks ask for; ``forgotten`` the inputs, as "unit.input", that are neither connected
+    nor set and whose start value has no meaning of its own."""
 
     scene: Scene
     units: dict[str, ResolvedUnit]
@@ -66,25 +69,29 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     record: tuple[tuple[str, str], ...]
     loops: tuple[str, ...]
     variants: tuple[ResolvedVariant, ...] = ()
+    forgotten: tuple[str, ...] = ()
 
 
-def described(scene: Scene, locate: Locate) -> ResolvedScene:
-    """A scene of one case against the descriptions of its units' FMUs.
+def described(scene: Scene, locate: Locate, open_ends: bool = False) -> ResolvedScene:
+    """A scene of one case against the descriptions of its units' FMUs. ``open_ends``: inputs that are needed may be left
+    open, as they become inputs of what the scene is made into.
 
     Raises ``SceneError``, and ``FmuError`` for an FMU that is refused; a ``LookupError`` or ``OSError`` of ``locate``
     becomes a ``SceneError``."""
-    return _resolved(scene, descriptions_of(scene, locate))
+    return _resolved(scene, descriptions_of(scene, locate), open_ends)
 
 
-def check_all(scene: Scene, locate: Locate) -> None:
-    """Refuses a scene that does not fit its units itself or in one of its cases. Raises what `described` raises."""
+def check_all(scene: Scene, locate: Locate) -> tuple[str, ...]:
+    """Refuses a scene that does not fit its units itself or in one of its cases; gives the inputs, as "unit.input", that may
+    have been forgotten. Raises what `described` raises."""
     descriptions = descriptions_of(scene, locate)
-    _resolved(scene, descriptions)
+    forgotten = dict.fromkeys(_resolved(scene, descriptions).forgotten)
     for case in scene.cases:
         try:
-            _resolved(scene.case(case.name), descriptions)
+            forgotten |= dict.fromkeys(_resolved(scene.case(case.name), descriptions).forgotten)
         except SceneError as error:
             raise scene.error(f"{error.key}: {error.args[0]}", f"cases.{case.name}.set") from None
+    return tuple(forgotten)
 
 
 def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
@@ -109,10 +116,15 @@ def _path(scene: Scene, name: str, fmu: str, locate: Locate) -> Path:
         raise scene.error(f"no unit {fmu!r} ({error}): expected a shipped unit or the path of an .fmu", key) from error
 
 
-def _resolved(scene: Scene, descriptions: Mapping[str, Description]) -> ResolvedScene:
-    """The scene against these descriptions, and the variants that its checks ask for."""
+def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: bool = False) -> ResolvedScene:
+    """The scene against these descriptions, and the variants that its checks ask for, which leave connections out on
+    purpose."""
     names = Names(scene, descriptions)
     resolved = _bare(scene, names)
+    sources = {(c.target_unit, c.target): f"{c.source_unit}.{c.source}" for c in resolved.connections}
+    check_constants(names, sources)
+    forgotten = unset_inputs(names, sources, open_ends)
+    check_physical(names, {name: unit.parameters for name, unit in resolved.units.items()})
     _check_margins(names)
     variants = []
     for check in scene.active_checks():
@@ -122,7 +134,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description]) -> Resolved
             variants.append(ResolvedVariant(variant.name, other, variant.coarse))
     _check_instances(scene, descriptions, bool(variants))
     _check_loops(resolved.loops, names)
-    return replace(resolved, variants=tuple(variants))
+    return replace(resolved, variants=tuple(variants), forgotten=forgotten)
 
 
 def _bare(scene: Scene, names: Names) -> ResolvedScene:

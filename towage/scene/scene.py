@@ -111,14 +111,15 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
         """The table in ``data`` that ``target`` names, and the key in it."""
         head, _, rest = target.partition(".")
         unit = head in self.units
-        *tables, last = ("units", head, "parameters", rest) if unit else target.split(".")
+        *tables, last = ("units", head, self.units[head].table(rest), rest) if unit else target.split(".")
         place: Any = data if unit or head not in ("units", "connections", "cases") else None
         for name in tables:
             place = place.get(name) if isinstance(place, dict) else None
         if not isinstance(place, dict) or not last or (not unit and last not in place):
             known = [*(f"{name}.{last}" for name in self.units), *_EXCLUSIVE, "coupling.scheme", "stop_time"]
             hint = suggest(target, known)
-            raise self.error(f"{target!r} cannot be set: expected 'unit.parameter' or a key of the scene{hint}", key)
+            expected = "expected 'unit.parameter', 'unit.input' or a key of the scene"
+            raise self.error(f"{target!r} cannot be set: {expected}{hint}", key)
         return place, last
 
     def with_values(self, values: Mapping[str, Any], option: str = "set") -> Scene:
@@ -192,12 +193,15 @@ def _units(tables: Tables, given: object) -> dict[str, UnitEntry]:
     for name, entry in tables.table(given, "units").items():
         if not _NAME.fullmatch(name) or name in (*_FIELDS, "file", "source"):
             tables.fail(f"{name!r} cannot name a unit: expected letters, digits, '_', and no key of a scene", "units")
-        key = f"units.{name}.parameters"
-        parameters = tables.table(tables.table(entry, f"units.{name}").get("parameters", {}), key)
-        for parameter, value in parameters.items():
-            if not isinstance(value, (bool, int, float, str)):
-                tables.fail(f"expected a number, a text or a truth value, got {value!r}", f"{key}.{parameter}")
-        units[name] = tables.structure(entry, UnitEntry, f"units.{name}")
+        for kind in ("parameters", "inputs"):
+            key = f"units.{name}.{kind}"
+            given_values = tables.table(tables.table(entry, f"units.{name}").get(kind, {}), key)
+            for variable, value in given_values.items():
+                if not isinstance(value, (bool, int, float, str)):
+                    tables.fail(f"expected a number, a text or a truth value, got {value!r}", f"{key}.{variable}")
+        units[name] = unit = tables.structure(entry, UnitEntry, f"units.{name}")
+        if twice := min(unit.parameters.keys() & unit.inputs.keys(), default=""):
+            tables.fail(f"is set under parameters too, as {unit.parameters[twice]!r}", f"units.{name}.inputs.{twice}")
     return units
 
 

@@ -94,11 +94,12 @@ class Values:
 
     def of(self, unit: str) -> dict[str, Value]:
         """All values given to a unit, in the units of measure that its variables declare. Raises `SceneError`."""
-        return {name: self._value(unit, name, ()) for name in self._names.scene.units[unit].parameters}
+        return {name: self._value(unit, name, ()) for name in self._names.scene.units[unit].values}
 
     def _value(self, unit: str, name: str, path: References) -> Value:
         """The value given to a parameter or input; ``path`` are the references that led here."""
-        key = f"units.{unit}.parameters.{name}"
+        entry = self._names.scene.units[unit]
+        key = f"units.{unit}.{entry.table(name)}.{name}"
         if (unit, name) in path:
             cycle = " -> ".join(f"{u}.{n}" for u, n in (*path[path.index((unit, name)) :], (unit, name)))
             raise self._names.fault(f"circular reference {cycle}", key)
@@ -107,7 +108,9 @@ class Values:
             if variable.causality not in ("parameter", "input") or variable.variability == "constant":
                 kind = with_article(variable.causality)
                 raise self._names.fault(f"{name!r} is {kind}: only parameters and inputs can be set", key)
-            given = self._names.scene.units[unit].parameters[name]
+            if name in entry.inputs and variable.causality != "input":
+                raise self._names.fault(f"{name!r} is a parameter: set it in [units.{unit}.parameters]", key)
+            given = entry.values[name]
             if isinstance(given, str) and given.lstrip().startswith("="):
                 given = self._referenced(unit, variable, given.lstrip()[1:].strip(), (*path, (unit, name)), key)
             self._known[unit, name] = self._checked(unit, variable, given, key)
@@ -121,7 +124,7 @@ class Values:
             raise self._names.fault(f"'= {end}' is {kind}: its value is known only during a run", key)
         if (source.type == "String") != (variable.type == "String"):
             raise self._names.fault(f"'= {end}' is {source.type}, expected {variable.type}", key)
-        if source.name in self._names.scene.units[other].parameters:
+        if source.name in self._names.scene.units[other].values:
             value: Value | None = self._value(other, source.name, path)
         else:
             value = source.start

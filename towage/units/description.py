@@ -25,7 +25,9 @@ _KINDS: dict[str, Kind] = {k: k for k in ("Real", "Integer", "Boolean", "String"
 class Variable(msgspec.Struct, frozen=True):
     """A scalar variable, with what its declared type adds; ``start``, ``min``, ... are in ``unit``.
 
-    ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless.
+    ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless. ``needed``: an
+    input that a scene has to connect or set; ``unset``: what it means if it does not, where the unit says so
+    (`towage.models.protocol.variables.input_variable`).
     """
 
     name: str
@@ -41,6 +43,8 @@ class Variable(msgspec.Struct, frozen=True):
     max: float | None = None
     nominal: float | None = None
     description: str = ""
+    needed: bool = False
+    unset: str = ""
 
 
 class UnitDefinition(msgspec.Struct, frozen=True):
@@ -124,6 +128,8 @@ class DescriptionReader:
         self.types: dict[str, ElementTree.Element] = {}
         for simple in root.iterfind("TypeDefinitions/SimpleType"):
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
+        said = root.iterfind("VendorAnnotations/Tool[@name='towage']/Input")
+        self.inputs = {element.get("name", ""): element for element in said}
 
     def description(self, path: Path, names: list[str]) -> Description:
         """The description of the FMU at ``path``, whose archive has entries of these names. Raises `InvalidDescription`."""
@@ -229,6 +235,8 @@ class DescriptionReader:
             max=_number(kind, "max", float),
             nominal=_number(kind, "nominal", float),
             description=element.get("description", ""),
+            needed=name in self.inputs and self.flag(self.inputs[name], "needed"),
+            unset=self.inputs[name].get("unset", "") if name in self.inputs else "",
         )
 
     def dependencies(self, variables: tuple[Variable, ...]) -> dict[str, tuple[str, ...] | None]:

@@ -18,14 +18,18 @@ from ...protocol.variables import (
 
 
 class TowpointInputs(NamedTuple):
-    """Velocity of the towpoint, and forces on the body."""
+    """Velocity of the towpoint, which may be steady (in a submarine) or was forgotten, and forces on the body."""
 
     velocity_surge: Annotated[
         Value, input_variable("m/s", "Velocity of the towpoint in the towing frame, forward", display="ft/s")
     ]
     velocity_heave: Annotated[Value, input_variable("m/s", "Velocity of the towpoint, up", display="ft/s")]
-    body_drag_change: Annotated[Value, input_variable("N", "Change of the body's drag, aft", display="lbf")]
-    body_lift_change: Annotated[Value, input_variable("N", "Change of the body's lift, up", display="lbf")]
+    body_drag_change: Annotated[
+        Value, input_variable("N", "Change of the body's drag, aft", display="lbf", unset="no force but the tow's own")
+    ]
+    body_lift_change: Annotated[
+        Value, input_variable("N", "Change of the body's lift, up", display="lbf", unset="no force but the tow's own")
+    ]
 
 
 # A reduced model answers through every row of its D: `also` says so of what is a force or follows from one.

@@ -68,7 +68,7 @@ class Own(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Velocities of both ends."""
+    """Velocities of both ends: that of the towpoint may be steady or was forgotten, that of the body answers the cable."""
 
     top_velocity_surge: Annotated[
         Value, input_variable("m/s", "Velocity of the top end in the towing frame, forward", display="ft/s")
@@ -77,10 +77,11 @@ class Inputs(NamedTuple):
         Value, input_variable("m/s", "Velocity of the top end in the towing frame, up", display="ft/s")
     ]
     body_velocity_surge: Annotated[
-        Value, input_variable("m/s", "Velocity of the body end in the towing frame, forward", display="ft/s")
+        Value,
+        input_variable("m/s", "Velocity of the body end in the towing frame, forward", display="ft/s", needed=True),
     ]
     body_velocity_heave: Annotated[
-        Value, input_variable("m/s", "Velocity of the body end in the towing frame, up", display="ft/s")
+        Value, input_variable("m/s", "Velocity of the body end in the towing frame, up", display="ft/s", needed=True)
     ]
 
 
