@@ -319,7 +319,8 @@ def test_resolved_values_are_si(fmus: Path) -> None:
         "heave_amplitude": "4.4 ft", "mass": "2 long_ton", "heave_period": 8, "plain": 2, "reach": "1 km", "count": 4,
         "wide": True, "title": "a title", "reaction": "1 kip",
     }  # fmt: skip
-    values = resolve(with_parameters(**given), fmus).units["ship"].parameters
+    open_reaction = with_parameters(**given) | {"connections": ["ship.heave -> line.top"]}
+    values = resolve(open_reaction, fmus).units["ship"].parameters
     assert values == {
         "heave_amplitude": pytest.approx(4.4 * FEET, rel=1e-15), "mass": pytest.approx(2 * 1016.0469088, rel=1e-15),
         "heave_period": 8.0, "plain": 2.0, "reach": pytest.approx(1000 / 201.168, rel=1e-15), "count": 4, "wide": True,

@@ -104,8 +104,9 @@ def _unset_inputs(root: Element, unit: Unit) -> None:
     said = [v for v in unit.inputs if v.needed or v.unset]
     if said:
         tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
+        inputs = SubElement(tool, "Inputs")
         for v in said:
-            SubElement(tool, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})
+            SubElement(inputs, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})
 
 
 def _units(root: Element, variables: Iterable[Variable]) -> None:

@@ -125,18 +125,13 @@ class Modes(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """The line as in `ship`, and the sea: height, direction and speed have start values, but which sea is meant only the
-    scene can say."""
+    """The line as in `ship`, and the sea, which only the scene can know: its start values may be meant, or forgotten."""
 
     reaction: ship.Reaction
     wave_height: Annotated[Value, input_variable("m", "Significant wave height", start=2.0, display="ft")]
     wave_period: Annotated[
-        Value,
-        input_variable(
-            "s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height",
-            unset="that of a Pierson-Moskowitz sea of this height",
-        ),
-    ]  # fmt: skip
+        Value, input_variable("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height", unset="as for 0")
+    ]
     wave_direction: Annotated[
         Value,
         input_variable(

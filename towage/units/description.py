@@ -128,7 +128,7 @@ class DescriptionReader:
         self.types: dict[str, ElementTree.Element] = {}
         for simple in root.iterfind("TypeDefinitions/SimpleType"):
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
-        said = root.iterfind("VendorAnnotations/Tool[@name='towage']/Input")
+        said = root.iterfind("VendorAnnotations/Tool[@name='towage']/Inputs/Input")
         self.inputs = {element.get("name", ""): element for element in said}
 
     def description(self, path: Path, names: list[str]) -> Description:
