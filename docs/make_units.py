@@ -4,7 +4,7 @@ from pathlib import Path
 
 from towage.fmus import UNITS
 from towage.fmus.declare.unit import Unit, load
-from towage.fmus.describe.documentation import variable_groups
+from towage.fmus.describe.documentation import meaning, variable_groups
 
 
 def page(units: list[Unit]) -> str:
@@ -23,8 +23,8 @@ def page(units: list[Unit]) -> str:
                 lines += ["", f"### {title}", "", "| name | unit | start | meaning |", "|---|---|---|---|"]
             for v in variables:
                 start = "" if v.start is None else f"{v.start:g}"
-                meaning = v.description.replace("|", "\\|")
-                lines.append(f"| `{v.name}` | {v.unit} | {start} | {meaning} |")
+                text = meaning(v).replace("|", "\\|")
+                lines.append(f"| `{v.name}` | {v.unit} | {start} | {text} |")
     return "\n".join(lines) + "\n"
 
 

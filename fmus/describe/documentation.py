@@ -37,12 +37,19 @@ def variable_groups(
     return [(title, [v for v in shown if v.causality == causality]) for causality, title in titles.items()]
 
 
+def meaning(v: Variable) -> str:
+    """What the variable is and, of an input, what it means to leave it open."""
+    if v.needed:
+        return f"{v.description}. Needed: connect it or set a constant"
+    return f"{v.description}. Neither connected nor set: {v.unset}" if v.unset else v.description
+
+
 def _table(title: str, variables: list[Variable]) -> str:
     if not variables:
         return ""
     rows = "".join(
         f"<tr><td><code>{escape(v.name)}</code></td><td>{escape(v.unit)}</td>"
-        f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{escape(v.description)}</td></tr>\n"
+        f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{escape(meaning(v))}</td></tr>\n"
         for v in variables
     )
     return f"<h2>{title}</h2><table><tr><th>name</th><th>unit</th><th>start</th><th>meaning</th></tr>\n{rows}</table>\n"

@@ -60,7 +60,7 @@ class Modes(NamedTuple):
 class Inputs(NamedTuple):
     """What pushes."""
 
-    force: Annotated[Value, input_variable("N", "Force on the mass")]
+    force: Annotated[Value, input_variable("N", "Force on the mass", unset="nothing pushes")]
 
 
 class Outputs(NamedTuple):

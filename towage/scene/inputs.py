@@ -55,14 +55,22 @@ def unset_text(forgotten: Sequence[str]) -> str:
 
 
 def _remedy(names: Names, sources: Sources, unit: str, target: Variable) -> str:
-    """The outputs that would fit, those first that feed nothing of the unit yet, and how to set a constant."""
-    feeding = {source for (fed, _), source in sources.items() if fed == unit}
+    """The outputs that would fit, and how to set a constant. First come those of the input's own name, then those of units
+    that do not feed this one yet, then the most similar names."""
+    from difflib import SequenceMatcher  # for a fault alone
+
+    feeding = {source.partition(".")[0] for (fed, _), source in sources.items() if fed == unit}
     fitting = [
         f"{other}.{v.name}"
         for other, variables in names.variables.items() if other != unit
         for v in variables.values() if v.causality == "output" and _fits(names, other, v, unit, target)
     ]  # fmt: skip
-    fitting.sort(key=lambda end: (end in feeding, end.partition(".")[2] != target.name))
+
+    def rank(end: str) -> tuple[bool, bool, float]:
+        other, _, name = end.partition(".")
+        return name != target.name, other in feeding, -SequenceMatcher(None, name, target.name).ratio()
+
+    fitting.sort(key=rank)
     constant = f"set a constant, [units.{unit}.inputs] {target.name} = ..."
     if not fitting:
         return f"no output of another unit measures the same ({target.unit or 'no unit'}); {constant}"
