@@ -124,21 +124,21 @@ def _ratio(errors: tuple[Vector, ...], x: Vector, y: Vector, rtol: float, atol: 
     return first * (first / math.hypot(first, 0.1 * second))
 
 
+def _shorter(trial: float, ratio: float, exponent: float, t: float, x: Vector, f: Sequence[float]) -> float:
+    """The step to try after one of size ``trial`` whose error was ``ratio`` times its tolerance, or no number. Raises
+    `IntegrationError` where it would not move the time ``t``."""
+    h = trial * (max(LEAST_GROWTH, SAFETY * ratio**exponent) if ratio < NO_NUMBER else RESCUE)
+    if not t + h > t:
+        raise IntegrationError(f"no step is small enough at t = {t}, x = {x}: the rates are {tuple(f)}")
+    return h
+
+
 def integrate(
-    rates: Rates,
-    t: float,
-    x: Vector,
-    t_end: float,
-    *,
-    rtol: float,
-    atol: Vector,
-    indicators: Indicators | None = None,
-    on_event: Callable[[float, Vector], Vector] | None = None,
-    first_step: float = 0.0,
-    method: Tableau = DORMAND_PRINCE_5,
+    rates: Rates, t: float, x: Vector, t_end: float, *, rtol: float, atol: Vector, indicators: Indicators | None = None,
+    on_event: Callable[[float, Vector], Vector] | None = None, first_step: float = 0.0, method: Tableau = DORMAND_PRINCE_5,
     max_steps: int = MAX_STEPS,
     on_step: Callable[[float, Vector, Sequence[float], float, Vector, Sequence[float]], None] | None = None,
-) -> tuple[Vector, float]:
+) -> tuple[Vector, float]:  # fmt: skip
     """Integrate x' = rates(t, x) from ``t`` to ``t_end``; returns (x(t_end), a step to begin the next call with).
 
     At each zero of an indicator the step ends just beyond it and ``on_event(t, x) -> x`` is called, which may change x
@@ -163,9 +163,7 @@ def integrate(
         y, f_new, errors = step(rates, t, x, f, trial)
         ratio = _ratio(errors, x, y, rtol, atol)
         if not ratio <= 1.0:
-            h = trial * (max(LEAST_GROWTH, SAFETY * ratio**exponent) if ratio < NO_NUMBER else RESCUE)
-            if not t + h > t:
-                raise IntegrationError(f"no step is small enough at t = {t}, x = {x}: the rates are {tuple(f)}")
+            h = _shorter(trial, ratio, exponent, t, x, f)
             continue
         grown = trial * min(MOST_GROWTH, SAFETY * ratio**exponent) if ratio > 1e-9 else MOST_GROWTH * trial
         event = False
