@@ -26,6 +26,7 @@ from towage.fmus.python.values import CallError
 from towage.models.numeric.ops import FLOATS
 from towage.models.protocol.model import refusal_of
 from towage.models.protocol.physical import GRAVITY
+from towage.scene.compose import unit_of
 from towage.scene.flavour import resolve
 from towage.scene.resolve import check_all, described
 from towage.scene.scene import Scene, available_scenes
@@ -197,6 +198,18 @@ def test_connections_cut_for_a_one_way_run_are_no_missing_inputs() -> None:
         scene = Scene.from_dict(HEAVE | {"checks": {"sdof": sdof | {"cut": [cut]}}})
         assert described(scene, locator()).forgotten == ()
         assert check_all(scene, locator()) == ()
+
+
+def test_what_does_not_run_the_scene_takes_open_ends() -> None:
+    """Critical speeds, gains and a unit made of the scene: the open input is varied or becomes one of the unit."""
+    (found,) = towage.stability(alone("slender_body", {}))
+    assert found.limits
+    assert towage.response(alone("tow_cable", {}), frequencies=[0.1])
+    scene = heave(HEAVE["connections"][1:])
+    unit = unit_of(described(scene, locator(), open_ends=True), "lift")
+    assert [(v.name, v.needed) for v in unit.inputs] == [
+        ("line.heave_top", True), ("cradle.submersible_velocity", False),
+    ]  # fmt: skip
 
 
 def test_a_forgotten_input_is_one_warning_of_the_run() -> None:

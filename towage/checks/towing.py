@@ -82,7 +82,7 @@ def _drive(resolved: ResolvedScene, name: str) -> tuple[float, float] | None:
 
 def scene_tows(scene: Scene, fmus: Path | None = None) -> list[SceneTow]:
     """`tows` of a scene whose FMUs are in ``fmus`` or built when needed."""
-    return tows(described(scene, locator(fmus)))
+    return tows(described(scene, locator(fmus), open_ends=True))
 
 
 @dataclass(frozen=True)

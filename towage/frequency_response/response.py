@@ -125,7 +125,7 @@ def response(
         raise SceneError("frequencies: expected finite numbers of Hz, above 0")
     omegas: Sequence[float] = (2.0 * np.pi * hertz).tolist()
     try:
-        found = tows(described(chosen, locator(Path(fmus) if fmus else None)))
+        found = tows(described(chosen, locator(Path(fmus) if fmus else None), open_ends=True))
         limit = tolerance_of(chosen)
         answers = [Response(tow, tuple(gains(tow.tow, list(omegas))), spring_check(tow, limit)) for tow in found]
     except ValueError as error:

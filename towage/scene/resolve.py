@@ -74,7 +74,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
 
 def described(scene: Scene, locate: Locate, open_ends: bool = False) -> ResolvedScene:
     """A scene of one case against the descriptions of its units' FMUs. ``open_ends``: inputs that are needed may be left
-    open, as they become inputs of what the scene is made into.
+    open, for what does not run the scene: they become inputs of what it is composed into, or are varied.
 
     Raises ``SceneError``, and ``FmuError`` for an FMU that is refused; a ``LookupError`` or ``OSError`` of ``locate``
     becomes a ``SceneError``."""

@@ -53,7 +53,7 @@ class Towed:
 
 def bodies(scene: Scene, fmus: Path | None = None) -> list[Towed]:
     """The slender bodies of a scene without cases. Raises `SceneError` if there is none, or if the theory has no such body."""
-    resolved = described(scene, locator(fmus))
+    resolved = described(scene, locator(fmus), open_ends=True)  # it finds the speeds itself
     towed = []
     for name, unit in resolved.units.items():
         if unit.description.model_name != UNIT.name:
