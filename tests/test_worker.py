@@ -178,7 +178,7 @@ def test_death_of_the_process_keeps_the_record_and_names_the_unit(hostile: Path,
 
 def test_death_of_the_process_keeps_the_events(hostile: Path) -> None:
     docking = scene(hostile, "killed")
-    docking.units["cradle"] = UnitEntry("cradle", {"docking_time": 0.53, "submersible_mass": 1e4})
+    docking.units["cradle"] = UnitEntry("cradle", {"docking_time": 0.53, "submersible_mass": 1e4}, {"line_tension": 0.0})
     result = run_isolated(resolve(docking))
     assert_partial(result)
     assert result.events == [Event(0.53, "cradle", "time event", 0)]
