@@ -314,6 +314,14 @@ def test_weight_in_water_may_reach_that_in_air_and_no_more(mass: float, share: f
     assert bool(_unmet("cradle", p)) == (share > 1.0 + 1e-6) or abs(share - 1.0) < 2e-6
 
 
+def test_a_problem_without_dimensions_has_no_gravity() -> None:
+    """M = K = X0 = 1 with any weight, in a medium that is no water; its own medium is bounded by mercury alone."""
+    for density in (0.0, 0.6, 2000.0):
+        assert not _unmet("cradle", {"mass": 1.0, "weight_in_water": 200.0, "water_density": density})
+    for density in (920.0, 1000.0, 1240.0):
+        assert _unmet("cradle", {"mass": 1.0, "weight_in_water": 200.0, "water_density": density})
+
+
 def _unmet(name: str, values: dict[str, float]) -> str:
     unit = load(name)
     assert unit.model.requirements

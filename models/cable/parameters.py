@@ -22,7 +22,7 @@ from typing import Annotated, TypeVar
 
 from ..numeric.ops import FLOATS, Ops, Value
 from ..protocol.model import Requirement
-from ..protocol.physical import water, weight_below_gravity
+from ..protocol.physical import liquid, weight_below_gravity
 from ..protocol.variables import Quantity, parameter, tunable
 from .case import Body, Cable, CableError, Tow, TracedTow, requirements
 from .loading import Loading, cross_flow, eames
@@ -170,13 +170,15 @@ def traced_tow(p: TowParameters, ops: Ops, extensible: bool = True) -> TracedTow
 
 def tow_requirements(p: TowParameters, ops: Ops) -> list[Requirement]:
     """What the parameters of a tow must fulfil: a known form of the loading, what `case.requirements` asks, and a cable, a
-    body and a water that there can be. A body without mass is not weighed: the report's printed sample is one, whose mass
+    body and a liquid that there can be. A body without mass is not weighed: the report's printed sample is one, whose mass
     is in its added masses."""
-    possible, why = weight_below_gravity(p.body_weight_in_water, p.body_mass, "body_weight_in_water", "body_mass", ops)
+    possible, why = weight_below_gravity(
+        p.body_weight_in_water, p.body_mass, p.water_density, "body_weight_in_water", "body_mass", ops
+    )
     physical = [
-        weight_below_gravity(p.cable_weight, p.cable_mass, "cable_weight", "cable_mass", ops),
+        weight_below_gravity(p.cable_weight, p.cable_mass, p.water_density, "cable_weight", "cable_mass", ops),
         (ops.where(p.body_mass == 0.0, 1.0, possible), why),
-        water(p.water_density, ops),
+        liquid(p.water_density, ops),
     ]
     form = ops.where(p.loading_form * (p.loading_form - CROSS_FLOW) * (p.loading_form - GENERAL) == 0.0, 1.0, 0.0)
     return [(form, LOADING_FORMS), *requirements(traced_tow(p, ops), ops), *physical]

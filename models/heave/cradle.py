@@ -27,7 +27,7 @@ from typing import Annotated, NamedTuple
 
 from ..numeric.ops import NEGLIGIBLE, NEVER, Ops, Value
 from ..protocol.model import Model, Requirement
-from ..protocol.physical import GRAVITY, water, weight_below_gravity
+from ..protocol.physical import GRAVITY, liquid, weight_below_gravity
 from ..protocol.variables import (
     NextEvent,
     Rate,
@@ -181,17 +181,18 @@ def margin_drag_reynolds(velocity: Value, docked: Value, p: Parameters, ops: Ops
 
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
-    """What docks has a mass; neither it nor the cradle weighs more in water than in air; there is such a water."""
+    """What docks has a mass; neither it nor the cradle weighs more in water than in air; no liquid is so dense."""
     text = "docking_time is set but submersible_mass is 0: give the mass that docks, or a negative docking_time"
     docks = p.docking_time >= 0.0
     possible, why = weight_below_gravity(
-        p.submersible_weight_in_water, p.submersible_mass, "submersible_weight_in_water", "submersible_mass", ops
-    )
+        p.submersible_weight_in_water, p.submersible_mass, p.water_density, "submersible_weight_in_water",
+        "submersible_mass", ops,
+    )  # fmt: skip
     return (
         (ops.where(docks, p.submersible_mass, 1.0), text),
-        weight_below_gravity(p.weight_in_water, p.mass, "weight_in_water", "mass", ops),
+        weight_below_gravity(p.weight_in_water, p.mass, p.water_density, "weight_in_water", "mass", ops),
         (ops.where(docks, possible, 1.0), why),
-        water(p.water_density, ops),
+        liquid(p.water_density, ops),
     )
 
 

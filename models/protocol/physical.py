@@ -1,6 +1,7 @@
 """What no body and no water can be, as requirements that models share: numbers in SI, true for any model of such a thing.
 
 They catch what is written in the wrong unit or in the wrong place; a run of such a scene would be faultless and mean nothing.
+Weights are compared with m g in water alone: a problem without dimensions (M = K = 1) has no g, and a medium that is no water.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ from .model import Requirement
 
 GRAVITY = 9.80665
 """Standard gravity, m/s2."""
-DENSEST_WATER = 1500.0
-"""kg/m3; the Dead Sea has 1240."""
+LIGHTEST_WATER, DENSEST_WATER = 900.0, 1500.0
+"""kg/m3; hot fresh water has 958, the Dead Sea 1240."""
+DENSEST_LIQUID = 13600.0
+"""kg/m3, mercury."""
 DENSEST_SOLID = 22600.0
 """kg/m3; osmium has 22 590."""
 ROUNDING = 1e-6
@@ -25,19 +28,23 @@ def holds(condition: Value, ops: Ops) -> Value:
     return ops.where(condition, 1.0, 0.0)
 
 
-def weight_below_gravity(weight: Value, mass: Value, weight_name: str, mass_name: str, ops: Ops) -> Requirement:
-    """A weight in water, N, of at most m g (per length alike): buoyancy cannot pull down."""
+def weight_below_gravity(
+    weight: Value, mass: Value, density: Value, weight_name: str, mass_name: str, ops: Ops
+) -> Requirement:
+    """A weight in water, N, of at most m g (per length alike), where ``density``, kg/m3, is that of water: buoyancy cannot
+    pull down."""
     text = (
         f"{weight_name} is above {mass_name} * g, the weight in air: in water a body weighs less by its buoyancy; "
         f"raise {mass_name} or lower {weight_name} (units of measure?)"
     )
-    return holds(weight <= mass * GRAVITY * (1.0 + ROUNDING), ops), text
+    possible = holds(weight <= mass * GRAVITY * (1.0 + ROUNDING), ops)
+    return ops.where(density >= LIGHTEST_WATER, ops.where(density <= DENSEST_WATER, possible, 1.0), 1.0), text
 
 
-def water(density: Value, ops: Ops) -> Requirement:
-    """A density of water, kg/m3, that there is; 0 leaves its drag out."""
-    text = f"water_density is above {DENSEST_WATER:g} kg/m3, denser than any natural water: sea water has 1025 kg/m3"
-    return holds(density <= DENSEST_WATER, ops), text
+def liquid(density: Value, ops: Ops) -> Requirement:
+    """A density, kg/m3, that a liquid can have; 0 leaves its drag out."""
+    text = f"water_density is above {DENSEST_LIQUID:g} kg/m3, denser than mercury: sea water has 1025 kg/m3"
+    return holds(density <= DENSEST_LIQUID, ops), text
 
 
 def solid_cylinder(mass: Value, diameter: Value, mass_name: str, diameter_name: str, ops: Ops) -> Requirement:

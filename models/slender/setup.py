@@ -25,7 +25,7 @@ import numpy as np
 from ..numeric.matrix_ops import MatrixOps
 from ..numeric.ops import FLOATS, NEVER, Ops, Value
 from ..protocol.model import Requirement, refusal_of
-from ..protocol.physical import solid_cylinder, water
+from ..protocol.physical import liquid, solid_cylinder
 from ..protocol.state_space import Resolution, Setup, Study
 from ..protocol.variables import parameter
 from . import coefficients as slender_coefficients
@@ -195,7 +195,7 @@ def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
          f"shape_functions: expected a whole number from {FEWEST} to {MOST}"),
     ]  # fmt: skip
     own += [
-        water(p.water_density, ops),
+        liquid(p.water_density, ops),
         solid_cylinder(p.mass_per_length, p.diameter, "mass_per_length", "diameter", ops),
     ]
     numbers = dimensionless(replace(p, **held), ops)
