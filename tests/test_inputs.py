@@ -33,6 +33,7 @@ from towage.scene.scene import Scene, available_scenes
 from towage.units.archive import read_description
 from towage.units.store import locator
 
+from .fmus.native_instance import REFUSED, NativeInstance, unit_library
 from .fmus.test_instance import Player
 
 NEEDED = {
@@ -371,8 +372,10 @@ def test_what_cannot_be_is_refused_by_scene_and_unit(name: str, values: dict[str
 
 
 @pytest.mark.parametrize("name", ["cradle", "cradle_on_line", "spring_line"])
-def test_the_native_flavour_refuses_alike(name: str) -> None:
+def test_the_native_flavour_refuses_alike(name: str, tmp_path: Path) -> None:
+    """Its requirements as an ensemble asks them, and its library when it is initialised."""
     unit = load(name)
+    library = unit_library(trace(unit), tmp_path)
     variables = unit.parameters + unit.inputs
     places = {v.name: k for k, v in enumerate(variables)}
     for values, says in [(v, s) for n, v, s in IMPOSSIBLE if n == name]:
@@ -381,6 +384,8 @@ def test_the_native_flavour_refuses_alike(name: str) -> None:
         table[1, [places[n] for n in values]] = list(values.values())
         reasons = refusals(unit, trace(unit), table)
         assert list(reasons) == [1] and says in reasons[1]
+        refusing = NativeInstance(library, trace(unit), **values)
+        assert refusing.initialized == REFUSED and refusing.message == reasons[1]
 
 
 @pytest.mark.parametrize("name", UNITS)
