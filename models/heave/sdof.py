@@ -129,6 +129,19 @@ def _amplitude(p: float, q: float, s: float, d: float) -> float:
     return a
 
 
+def _small_amplitude(smooth: float, q: float, rough: float, force: float) -> float:
+    """`_amplitude` for p = smooth^2, s = rough^2 and d = force^2, which may underflow: in units of the largest that A can
+    be."""
+    if force == 0.0:
+        return 0.0
+    bounds = (force / smooth if smooth > 0.0 else math.inf, math.sqrt(force / rough) if rough > 0.0 else math.inf)
+    largest = min(bounds)
+    if not 0.0 < largest < math.inf:
+        return largest
+    share = largest / force
+    return largest * _amplitude((smooth * share) ** 2, q * share * largest * share, (rough * largest * share) ** 2, 1.0)
+
+
 def two_way(pair: Pair, omega: float) -> Response:
     """Ship and cradle together and the cradle alone, at ``omega``, rad/s. Amplitudes are infinite at resonance without
     drag and damping, `eps` where the ship has neither damping nor a force against the line's; for X0 = 0 the latter is
@@ -149,7 +162,8 @@ def two_way(pair: Pair, omega: float) -> Response:
     rough = 1j * h * held
     p, s = abs(smooth) ** 2, abs(rough) ** 2
     q = 2.0 * h * pair.stiffness**2 * max(d1.imag, 0.0)  # = 2 Re(smooth conj(rough)), without cancellation
-    a = _amplitude(p, q, s, abs(pair.stiffness * d1 * pair.amplitude) ** 2)
+    force = abs(pair.stiffness * d1 * pair.amplitude)
+    a = _amplitude(p, q, s, force**2) if force > 1e-140 else _small_amplitude(abs(smooth), q, abs(rough), force)
     if d1 != 0.0:
         eps = d2 / abs(d1)
     else:

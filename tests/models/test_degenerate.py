@@ -46,6 +46,21 @@ def test_ship_without_damping_at_its_resonance() -> None:
     assert sdof.worst(Pair.dimensionless(1.0, 1.0, 0.0, 1.0), 0.5, 1.5, 10)[1:] == (math.inf, math.inf)
 
 
+@pytest.mark.parametrize("zeta1", [1e-100, 1.6e-192, 1e-300])
+def test_ship_with_next_to_no_damping_at_its_resonance(zeta1: float) -> None:
+    """Y = K2 D1 X0/((D1 + K2)(Z + i h A) - K2^2) to first order in D1 = 2 i zeta1, where Z = 0: -2 i zeta1."""
+    response = sdof.two_way(Pair.dimensionless(1.0, 1.0, zeta1, 1.0), 1.0)
+    assert response.cradle_two_way == pytest.approx(-2j * zeta1, rel=1e-12)
+
+
+@pytest.mark.parametrize("amplitude", [1e-100, 1.6e-192, 1e-300])
+def test_small_motion_at_the_resonance_of_the_pair(amplitude: float) -> None:
+    """(D1 + K2) Z = K2^2 with D1 = 2, K2 = 2, Z = 1: A^2 = K2 D1 X0/(h (D1 + K2)) = X0/h, h = 8 b omega^2/(3 pi)."""
+    response = sdof.two_way(Pair(0.25, 0.0, 3.0, 0.25, 2.0, 0.7, amplitude), 2.0)
+    expected = math.sqrt(amplitude / (8.0 * 0.7 * 4.0 / (3.0 * math.pi)))
+    assert abs(response.cradle_two_way) == pytest.approx(expected, rel=1e-12)
+
+
 def test_pair_without_drag() -> None:
     """The linear pair: Y = K2 D1 X0/((D1 + K2) Z - K2^2); Y1way is infinite at the cradle's resonance."""
     pair = Pair.dimensionless(0.5, 0.25, 0.0, 0.0)
