@@ -53,6 +53,7 @@ class ResolvedVariant(msgspec.Struct, frozen=True):
     name: str
     scene: ResolvedScene | None
     coarse: bool
+    nudged: str = ""
 
 
 class ResolvedScene(msgspec.Struct, frozen=True):
@@ -119,7 +120,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description]) -> Resolved
         check.fit(names, scene.checks.get(check.name))
         for variant in check.variants(scene):
             other = _bare(variant.scene, Names(variant.scene, descriptions)) if variant.scene else None
-            variants.append(ResolvedVariant(variant.name, other, variant.coarse))
+            variants.append(ResolvedVariant(variant.name, other, variant.coarse, variant.nudged))
     _check_instances(scene, descriptions, bool(variants))
     _check_loops(resolved.loops, names)
     return replace(resolved, variants=tuple(variants))

@@ -1,0 +1,55 @@
+"""The solver's own points of a run: every communication point, whatever the scene records.
+
+Comparisons are made on them, so that ``record.interval`` changes no word. Between two points a signal is a cubic Hermite
+polynomial with slopes from its neighbours; at a point it is the value itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+FEWEST = 1000
+"""Times of a comparison under error control, at least."""
+
+
+class Track(NamedTuple):
+    """``time`` of every communication point, s, increasing, shape (n,); ``columns``: every observed output, shape (n,)."""
+
+    time: Array
+    columns: Mapping[str, Array]
+
+    def at(self, name: str, times: Array) -> Array:
+        """The output ``name`` at ``times`` (s, within the run), shape of ``times``."""
+        time, values = self.time, self.columns[name]
+        if len(time) < 3:
+            return np.interp(times, time, values)
+        right = np.clip(np.searchsorted(time, times), 1, len(time) - 1)
+        left = right - 1
+        step = time[right] - time[left]
+        s = np.clip((times - time[left]) / step, 0.0, 1.0)
+        slope = np.gradient(values, time)
+        change = values[right] - values[left]
+        start, end = step * slope[left] - change, change - step * slope[right]
+        inside: Array = values[left] + s * (change + (1.0 - s) * ((1.0 - s) * start + s * end))
+        inside = np.where(times == time[left], values[left], inside)
+        exact: Array = np.where(times == time[right], values[right], inside)
+        return exact
+
+    def sampled(self, times: Array) -> dict[str, Array]:
+        """All outputs at ``times``, s."""
+        return {name: self.at(name, times) for name in self.columns}
+
+
+def comparison_times(stop: float, step: float | None, interval: float, points: int) -> Array:
+    """Times from 0 to ``stop``, s, at which runs are compared, equally spaced: multiples of the communication ``step``, or
+    of a shorter record ``interval``, which cuts the step; under error control (``step`` None) the record times, or as many
+    as the run has ``points`` where these are more than few records."""
+    if step is None and stop < FEWEST * interval:
+        return np.linspace(0.0, stop, max(FEWEST, points) + 1)
+    size = interval if step is None else min(step, interval)
+    return size * np.arange(int(stop / size * (1.0 + 1e-12) + 1e-6) + 1)
