@@ -122,7 +122,8 @@ def runs(check: SdofCheck, times: Array, coupled: Track, one_way: Track) -> Runs
     two, one = coupled.sampled(time), one_way.sampled(time)
     omega = dominant_frequency(time, one[check.driver])
     periods = repeats_after(time, one[check.motion], omega, check.tolerance)
-    irregular = not repeats_after(time, one[check.driver], omega, check.tolerance)
+    late = len(time) // 2  # a drive that fades in is regular afterwards
+    irregular = not repeats_after(time[late:], one[check.driver][late:], omega, check.tolerance)
     return Runs(time, two, one, one_way, omega, periods, irregular)
 
 

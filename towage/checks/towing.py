@@ -189,8 +189,8 @@ def spring_check(tow: SceneTow, tolerance: float) -> Finding | None:
     word = "would do" if off <= tolerance else "nearly would do" if off <= 2.0 * tolerance else "would not do"
     return Finding(
         SPRING, "ok" if off <= tolerance else "info", off, tolerance,
-        f"a body on a spring {word} in place of the cable: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} heaves {gain.spring:.4g} m per metre "
-        f"of the towpoint, on the cable {right:.4g} m",
+        f"a body on a spring {word} in place of the cable: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} "
+        f"heaves {gain.spring:.4g} m per metre of the towpoint, on the cable {right:.4g} m",
     )  # fmt: skip
 
 

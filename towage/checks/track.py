@@ -35,10 +35,10 @@ class Track(NamedTuple):
         slope = np.gradient(values, time)
         change = values[right] - values[left]
         start, end = step * slope[left] - change, change - step * slope[right]
-        inside: Array = values[left] + s * (change + (1.0 - s) * ((1.0 - s) * start + s * end))
+        inside = values[left] + s * (change + (1.0 - s) * ((1.0 - s) * start + s * end))
         inside = np.where(times == time[left], values[left], inside)
-        exact: Array = np.where(times == time[right], values[right], inside)
-        return exact
+        at: Array = np.where(times == time[right], values[right], inside)
+        return at
 
     def sampled(self, times: Array) -> dict[str, Array]:
         """All outputs at ``times``, s."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from msgspec import structs
@@ -123,6 +124,13 @@ def salvaged(resolved: ResolvedScene, journal: Path | None, message: str) -> Res
     return result
 
 
+class OtherRun(NamedTuple):
+    """What the scene records of another run, (time, columns), and all its communication points."""
+
+    record: tuple[Array, Columns]
+    track: Track
+
+
 class OtherRuns:
     """The other runs that checks ask for. Each is made when it is first asked for, and once, whoever asks."""
 
@@ -134,17 +142,17 @@ class OtherRuns:
         self._stages = stages
         self._make_unit = make_unit
         self._variants = {variant.name: variant for variant in resolved.variants}
-        self._known: list[tuple[ResolvedScene, bool, Recorder | RunError]] = []
+        self._known: list[tuple[ResolvedScene, bool, OtherRun | RunError]] = []
 
     def columns(self, name: str) -> tuple[Array, Columns]:
         """(time, columns) of what the run called ``name`` records. Raises `RunError` where it fails."""
-        return self._recorder(name).columns()
+        return self._made(name).record
 
     def track(self, name: str) -> Track:
         """All communication points of the run called ``name``. Raises `RunError` where it fails."""
-        return self._recorder(name).track()
+        return self._made(name).track
 
-    def _recorder(self, name: str) -> Recorder:
+    def _made(self, name: str) -> OtherRun:
         variant = self._variants[name]
         scene = nudged(variant.scene or self._resolved, variant.nudged)
         outcome = next((o for s, coarse, o in self._known if s == scene and coarse == variant.coarse), None)
@@ -155,7 +163,7 @@ class OtherRuns:
             raise outcome
         return outcome
 
-    def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> Recorder | RunError:
+    def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> OtherRun | RunError:
         try:
             system = started(scene, self._make_unit, self._resolved)
             try:
@@ -165,7 +173,7 @@ class OtherRuns:
                 system.close()
         except RunError as error:
             return error
-        return recorder
+        return OtherRun(recorder.columns(), recorder.track())
 
 
 def nudged(resolved: ResolvedScene, unit: str) -> ResolvedScene:

@@ -18,8 +18,8 @@ from towage.checks.check import every_check
 from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
-from towage.report.tables import accuracy, checks, events, of_checks, statistics
-from towage.result.result import Margin, Result
+from towage.report.tables import accuracy, card, checks, events, of_checks, statistics
+from towage.result.result import Item, Margin, Result
 
 _PLOTTED_CASES = 10
 """Cases with diagrams, the gravest first: more would make the file too large to send."""
@@ -60,6 +60,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  failure         {result.message or 'no reason was given'}")
     if result.verdict.reason or result.verdict.number is not None:
         lines.append(f"  verdict         {_reason(result)}")
+    lines += [f"  {item.name:15} {_item_text(item)}" for item in result.verdict.items]
     lines += [f"  {label:15} {text}" for check in every_check() for label, text in check.summary(result)]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
@@ -126,7 +127,7 @@ def _case_head(result: Result, titled: bool) -> str:
         partial = f"\nWhat follows covers the part up to {moment(float(result.time[-1]))}." if len(result.time) else ""
         head += f'<div class="failure" role="alert"><strong>The run failed.</strong> {escape(reason + partial)}</div>'
     reason = _reason(result)
-    return head + (f"<p>{escape(reason[0].upper() + reason[1:])}</p>" if reason else "") + _facts(result)
+    return head + (f"<p>{escape(reason[0].upper() + reason[1:])}</p>" if reason else "") + card(result) + _facts(result)
 
 
 def _facts(result: Result) -> str:
@@ -205,6 +206,14 @@ def _reason(result: Result) -> str:
         return verdict.reason
     limit = "" if verdict.limit is None else f", limit {number(verdict.limit)}"
     return f"{verdict.reason} ({number(verdict.number)}{limit})".strip()
+
+
+def _item_text(item: Item) -> str:
+    """An item of the verdict in a line: its word, number and limit, and what can be done; its reason stands in the report."""
+    value = "" if item.number is None else f" ({number(item.number)}, limit {number(item.limit)})"
+    shown = "" if item.decides else ", does not decide"
+    remedy = f": {item.remedy}" if item.remedy else ""
+    return f"{item.word}{value}{shown}{remedy}"
 
 
 def _margin_text(margin: Margin) -> str:
