@@ -91,6 +91,14 @@ def test_words_of_the_coupling_error(share: float, word: str) -> None:
     assert verdict([told, Item("valid", "margin", 0.5, 0.0, name="premises")]).word == word
 
 
+def test_nothing_is_judged_on_wrong_numbers() -> None:
+    wrong = error.item(finding(0.3))
+    broken = Item("invalid", "a margin is negative", -1.0, 0.0, name="premises")
+    assert verdict([wrong, broken]).word == "not judged"
+    unknown = error.item(finding(None, "warning"))
+    assert verdict([unknown, broken]).word == "invalid", "a failed estimate takes nothing back"
+
+
 def test_an_absent_estimate_is_said_and_a_failed_one_decides() -> None:
     off = towage.run("slack", set={"coupling.error_estimate": False}, flavour="python")
     told = items(off)["numerics"]

@@ -119,7 +119,8 @@ class Runs(NamedTuple):
 def runs(check: SdofCheck, times: Array, coupled: Track, one_way: Track) -> Runs:
     """Both runs at ``times``, s, as far as they are settled."""
     time = times[times >= check.settle]
-    two, one = coupled.sampled(time), one_way.sampled(time)
+    names = check.driver, check.motion, check.tension, check.reaction
+    two, one = ({name: track.at(name, time) for name in names} for track in (coupled, one_way))
     omega = dominant_frequency(time, one[check.driver])
     periods = repeats_after(time, one[check.motion], omega, check.tolerance)
     late = len(time) // 2  # a drive that fades in is regular afterwards

@@ -30,19 +30,18 @@ class Track(NamedTuple):
             return np.interp(times, time, values)
         right = np.clip(np.searchsorted(time, times), 1, len(time) - 1)
         left = right - 1
+        known: Array = np.where(times == time[right], values[right], values[left])
+        between = (times != time[left]) & (times != time[right])
+        if not between.any():
+            return known
         step = time[right] - time[left]
         s = np.clip((times - time[left]) / step, 0.0, 1.0)
         slope = np.gradient(values, time)
         change = values[right] - values[left]
         start, end = step * slope[left] - change, change - step * slope[right]
-        inside = values[left] + s * (change + (1.0 - s) * ((1.0 - s) * start + s * end))
-        inside = np.where(times == time[left], values[left], inside)
-        at: Array = np.where(times == time[right], values[right], inside)
-        return at
-
-    def sampled(self, times: Array) -> dict[str, Array]:
-        """All outputs at ``times``, s."""
-        return {name: self.at(name, times) for name in self.columns}
+        cubic = values[left] + s * (change + (1.0 - s) * ((1.0 - s) * start + s * end))
+        interpolated: Array = np.where(between, cubic, known)
+        return interpolated
 
 
 def comparison_times(stop: float, step: float | None, interval: float, points: int) -> Array:
@@ -52,4 +51,5 @@ def comparison_times(stop: float, step: float | None, interval: float, points: i
     if step is None and stop < FEWEST * interval:
         return np.linspace(0.0, stop, max(FEWEST, points) + 1)
     size = interval if step is None else min(step, interval)
-    return size * np.arange(int(stop / size * (1.0 + 1e-12) + 1e-6) + 1)
+    times: Array = size * np.arange(int(stop / size * (1.0 + 1e-12) + 1e-6) + 1, dtype=np.float64)
+    return times

@@ -13,11 +13,12 @@ GRAVITY = ("invalid", "not judged", "marginal", "valid")
 
 
 def verdict(items: Iterable[Item | None]) -> Verdict:
-    """The gravest of what the checks say, the first of equals; "not judged" if none judges the models. Good numerics alone
-    make no run valid."""
+    """The gravest of what the checks say, the first of equals; "not judged" if none judges the models, for good numerics alone
+    make no run valid, and where the coupling error is known to exceed the tolerance, for then nothing else counts."""
     said = tuple(item for item in items if item)
     deciding = [item for item in said if item.decides]
     if not any(item.name != NUMERICS for item in deciding):
         deciding.append(Item("not judged", "no check and no margin decides", None, None))
-    g = min(deciding, key=lambda item: (GRAVITY.index(item.word), item.word == "valid" and item.name == NUMERICS))
+    wrong = [item for item in deciding if item.name == NUMERICS and item.word == "not judged" and item.number is not None]
+    g = min(wrong or deciding, key=lambda item: (GRAVITY.index(item.word), item.word == "valid" and item.name == NUMERICS))
     return Verdict(g.word, g.reason, g.number, g.limit, g.time, g.remedy, said)

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from towage.checks.check import every_check
+from towage.checks.verdict import GRAVITY
 from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
@@ -29,7 +30,6 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
-_GRAVITY = ("invalid", "marginal", "not judged", "valid")
 _ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
 
@@ -110,7 +110,7 @@ def _overview(results: Sequence[Result], plotted: int, detailed: Sequence[int]) 
             )
         )
     counted = Counter("failed" if result.status == "failed" else result.verdict.word for result in results)
-    count = ", ".join(f"{counted[word]} {word}" for word in ("failed", *_GRAVITY) if counted[word])
+    count = ", ".join(f"{counted[word]} {word}" for word in ("failed", *GRAVITY) if counted[word])
     note = f"{len(results)} case{'s' if len(results) > 1 else ''}: {count}. A margin is 1 at rest, 0 at the limit of "
     note += "validity and negative beyond."
     if plotted < len(results):
@@ -241,4 +241,4 @@ def _duration(result: Result) -> float:
 
 
 def _gravity(result: Result) -> int:
-    return -1 if result.status == "failed" else _GRAVITY.index(result.verdict.word)
+    return -1 if result.status == "failed" else GRAVITY.index(result.verdict.word)
