@@ -23,7 +23,7 @@ from towage.master.system import System
 from towage.result.records import Finding, Item, Verdict
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, ResolvedVariant
 from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.units.fmu import Unit, UnitFactory
@@ -84,8 +84,7 @@ def run_resolved(
         planned = plan(resolved, system)
         refuse(planned.findings, resolved)
         settings = planned.settings
-        weights = {variant.name: 1.0 / COARSE if variant.coarse else 1.0 for variant in resolved.variants}
-        stages = Stages(report, {MAIN: 1.0} | weights)
+        stages = Stages(report, {MAIN: 1.0} | {variant.name: _weight(variant) for variant in resolved.variants})
         result = _result(resolved, settings.scheme.name, planned.findings)
         columns, track = _coupled_run(resolved, system, settings, result, stages, journal)
         if result.status == "done":
@@ -174,6 +173,11 @@ class OtherRuns:
         except RunError as error:
             return error
         return OtherRun(recorder.columns(), recorder.track())
+
+
+def _weight(variant: ResolvedVariant) -> float:
+    """Expected time of another run over that of the coupled one; a nudged one is made in few scenes only."""
+    return 0.0 if variant.nudged else 1.0 / COARSE if variant.coarse else 1.0
 
 
 def nudged(resolved: ResolvedScene, unit: str) -> ResolvedScene:
