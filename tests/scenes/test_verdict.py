@@ -133,10 +133,16 @@ def test_between_its_points_a_track_is_a_cubic() -> None:
 
 
 def test_comparison_times() -> None:
-    assert np.array_equal(comparison_times(1.0, 0.1, 7.9, 3), 0.1 * np.arange(11))
-    assert np.array_equal(comparison_times(1.0, 0.1, 0.05, 3), 0.05 * np.arange(21))
-    assert len(comparison_times(100.0, None, 7.9, 40)) == 1001
-    assert len(comparison_times(100.0, None, 0.05, 40)) == 2001
+    assert np.array_equal(comparison_times(1.0, 0.1, 7.9), 0.1 * np.arange(11))
+    assert np.array_equal(comparison_times(1.0, 0.1, 0.05), 0.05 * np.arange(21))
+    assert len(comparison_times(100.0, None, 0.05)) == 2001
+
+
+@pytest.mark.parametrize("interval", [0.1, 7.9])
+def test_under_error_control_the_recording_interval_changes_no_word(interval: float) -> None:
+    result = towage.run("alvin", "25 ft", set={"record.interval": interval}, flavour="python")
+    assert result.comparison is not None and result.comparison.rms == pytest.approx(0.0773, abs=5e-4)
+    assert result.verdict.word == "invalid" and items(result)["numerics"].word == "valid"
 
 
 # ---- SDOF ------------------------------------------------------------------------------------------------------------

@@ -61,7 +61,7 @@ def after(run: Finished) -> list[Finding]:
     except RunError as error:
         message = f"the coupling error could not be estimated, the run with longer steps failed: {error}"
         return [Finding(NUMERICS, "warning", None, tolerance, message, "take a shorter step")]
-    times = run.times if run.step is None else comparison_times(float(run.times[-1]), 2.0 * run.step, math.inf, 0)
+    times = run.times if run.step is None else comparison_times(float(run.times[-1]), 2.0 * run.step, math.inf)
     share = 1.0 / (2.0**run.order - 1.0) if run.order else 1.0
     errors: dict[str, Array] = {}
     values: dict[str, Array] = {}

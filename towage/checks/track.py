@@ -13,8 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-FEWEST = 1000
-"""Times of a comparison under error control, at least."""
 
 
 class Track(NamedTuple):
@@ -44,12 +42,9 @@ class Track(NamedTuple):
         return interpolated
 
 
-def comparison_times(stop: float, step: float | None, interval: float, points: int) -> Array:
+def comparison_times(stop: float, step: float | None, interval: float) -> Array:
     """Times from 0 to ``stop``, s, at which runs are compared, equally spaced: multiples of the communication ``step``, or
-    of a shorter record ``interval``, which cuts the step; under error control (``step`` None) the record times, or as many
-    as the run has ``points`` where these are more than few records."""
-    if step is None and stop < FEWEST * interval:
-        return np.linspace(0.0, stop, max(FEWEST, points) + 1)
+    of a shorter ``interval`` between points that the run must have."""
     size = interval if step is None else min(step, interval)
     times: Array = size * np.arange(int(stop / size * (1.0 + 1e-12) + 1e-6) + 1, dtype=np.float64)
     return times

@@ -90,8 +90,9 @@ def run_resolved(
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
             others = OtherRuns(resolved, settings, stages, make_unit)
-            step, times = settings.step, _comparison_times(settings, track)
-            _judge(Finished(resolved, system, order, result, columns, others.columns, step, times, track, others.track))
+            interval = min(settings.record_interval, settings.compare_interval)
+            times = comparison_times(settings.stop_time, settings.step, interval)
+            _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))
             stages.done()
         return result
     finally:
@@ -232,10 +233,6 @@ def _coupled_run(
         "real_time_factor": run.time / run.wall if run.wall else math.nan,
     }
     return columns, recorder.track()
-
-
-def _comparison_times(settings: Settings, track: Track) -> Array:
-    return comparison_times(settings.stop_time, settings.step, settings.record_interval, len(track.time))
 
 
 def _judge(run: Finished) -> None:
