@@ -65,14 +65,14 @@ def after(run: Finished) -> list[Finding]:
     share = 1.0 / (2.0**run.order - 1.0) if run.order else 1.0
     errors: dict[str, Array] = {}
     values: dict[str, Array] = {}
-    for name in judged_names(run.result.columns):
+    decide = [section.motion, section.tension] if section else []
+    for name in dict.fromkeys([*judged_names(run.result.columns), *decide]):
         values[name] = run.track.at(name, times)
         errors[name] = share * (values[name] - coarse.at(name, times))
-        if scale := float(np.max(np.abs(values[name]), initial=0.0)):
+        if name in run.result.columns and (scale := float(np.max(np.abs(values[name]), initial=0.0))):
             run.result.coupling_error[name] = float(np.max(np.abs(errors[name]))) / scale
-    decide = [section.motion, section.tension] if section else list(values)
     settled = times >= (section.settle if section else 0.0)
-    shares = {name: _share(values, errors, name, settled) for name in decide if name in values}
+    shares = {name: _share(values, errors, name, settled) for name in decide or values}
     if not shares:
         return [Finding(NUMERICS, "warning", None, tolerance, "nothing is recorded of which the error could be told")]
     return [_finding(run, max(shares, key=shares.__getitem__), shares, tolerance)]

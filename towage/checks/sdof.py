@@ -73,6 +73,12 @@ def variants(scene: Scene) -> list[Variant]:
     return [Variant(RUN, single), Variant(TWIN, single, nudged=section.motion.split(".")[0])]
 
 
+def reads(scene: Scene) -> tuple[str, ...]:
+    """What is compared, and the reaction, which is connected to nothing in the one-way run."""
+    section = scene.checks.get("sdof")
+    return section.driver, section.motion, section.tension, section.reaction
+
+
 def before(start: Start) -> list[Finding]:
     """The worst error over frequency, where the units tell enough."""
     from towage.checks.promise import promise
@@ -175,6 +181,7 @@ CHECK = Check(
     read=read,
     fit=fit,
     variants=variants,
+    reads=reads,
     before=before,
     after=after,
     item=item,

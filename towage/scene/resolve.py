@@ -59,7 +59,7 @@ class ResolvedVariant(msgspec.Struct, frozen=True):
 class ResolvedScene(msgspec.Struct, frozen=True):
     """A scene in which everything named exists and fits. ``record`` is (unit, variable); ``loops`` the algebraic ones,
     as "a.y -> b.u -> b.y -> a.u -> a.y": solved by the implicit scheme, or only presumed, for want of declarations;
-    ``variants`` the other runs that its checks ask for."""
+    ``variants`` the other runs that its checks ask for; ``reads`` (unit, variable) that they compare, recorded or not."""
 
     scene: Scene
     units: dict[str, ResolvedUnit]
@@ -67,6 +67,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     record: tuple[tuple[str, str], ...]
     loops: tuple[str, ...]
     variants: tuple[ResolvedVariant, ...] = ()
+    reads: tuple[tuple[str, str], ...] = ()
 
 
 def described(scene: Scene, locate: Locate) -> ResolvedScene:
@@ -115,15 +116,18 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description]) -> Resolved
     names = Names(scene, descriptions)
     resolved = _bare(scene, names)
     _check_margins(names)
-    variants = []
+    variants, reads = [], []
     for check in scene.active_checks():
         check.fit(names, scene.checks.get(check.name))
+        reads += [(unit, name) for unit, _, name in (text.partition(".") for text in check.reads(scene))]
+    for check in scene.active_checks():
         for variant in check.variants(scene):
             other = _bare(variant.scene, Names(variant.scene, descriptions)) if variant.scene else None
+            other = other and replace(other, reads=tuple(reads))
             variants.append(ResolvedVariant(variant.name, other, variant.coarse, variant.nudged))
     _check_instances(scene, descriptions, bool(variants))
     _check_loops(resolved.loops, names)
-    return replace(resolved, variants=tuple(variants))
+    return replace(resolved, variants=tuple(variants), reads=tuple(reads))
 
 
 def _bare(scene: Scene, names: Names) -> ResolvedScene:
