@@ -2,6 +2,7 @@
 and keeps what came of every command that compiles. The key is the preprocessed source, the command and the compiler's own
 description of itself, so that a result is what the compiler would have made. What no test asked for in a week goes."""
 
+import contextlib
 import hashlib
 import os
 import shutil
@@ -55,8 +56,9 @@ def version(compiler: str) -> str:
 def forget(store: str) -> None:
     """Remove what was not asked for in a week."""
     for entry in os.scandir(store):
-        if time.time() - entry.stat().st_mtime > WEEK:
-            os.unlink(entry.path)
+        with contextlib.suppress(FileNotFoundError):  # another run was faster
+            if time.time() - entry.stat().st_mtime > WEEK:
+                os.unlink(entry.path)
 
 
 if __name__ == "__main__":

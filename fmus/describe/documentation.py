@@ -8,10 +8,15 @@ from html import escape
 from ..declare.unit import Unit, Variable
 
 REFERENCE_STEP = 0.1
+NO_REFERENCE = (
+    "There is no reference result: with what this build fixed, the other parameters need values that only a user can give, "
+    "and the unit says which when it is initialised."
+)
 
 
-def documentation_page(unit: Unit, variables: Sequence[Variable] | None = None) -> str:
-    """Self-contained HTML. ``variables``: those of the flavour, if it has more than the unit's."""
+def documentation_page(unit: Unit, variables: Sequence[Variable] | None = None, reference: bool = True) -> str:
+    """Self-contained HTML. ``variables``: those of the flavour, if it has more than the unit's; ``reference``: whether the FMU
+    carries a reference result."""
     return (
         "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
         f"<title>{escape(unit.name)}</title><style>body{{font:16px/1.5 system-ui;max-width:62rem;margin:2rem auto;"
@@ -20,7 +25,7 @@ def documentation_page(unit: Unit, variables: Sequence[Variable] | None = None) 
         f"<h1>{escape(unit.name)}</h1><p>{escape(unit.description)}.</p>"
         f"<pre>{escape(unit.model.documentation)}</pre>\n"
         + "".join(_table(title, variables) for title, variables in variable_groups(unit, variables))
-        + f"<p><code>{escape(unit.name)}_ref.csv</code> holds a reference result: {escape(reference_text(unit))}</p>"
+        + f"<p>{_reference(unit) if reference else NO_REFERENCE}</p>"
         "</body></html>\n"
     )
 
@@ -46,6 +51,10 @@ def _table(title: str, variables: list[Variable]) -> str:
         for v in variables
     )
     return f"<h2>{title}</h2><table><tr><th>name</th><th>unit</th><th>start</th><th>meaning</th></tr>\n{rows}</table>\n"
+
+
+def _reference(unit: Unit) -> str:
+    return f"<code>{escape(unit.name)}_ref.csv</code> holds a reference result: {escape(reference_text(unit))}"
 
 
 def reference_text(unit: Unit) -> str:

@@ -22,6 +22,7 @@ from ..describe.fmi2 import document, native_model_description
 from ..describe.fmi3 import model_description3
 from ..python.build import FOLDERS, NAMESPACE
 from ..python.reference import reference_result
+from ..python.values import CallError
 from . import compiler
 from .constants import constants_header
 from .source import model_source, unit_source
@@ -42,7 +43,7 @@ def runtime_sources(fmi: int) -> dict[str, bytes]:
 
 
 def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
-    """The members of the archive but for its libraries. ``reference`` is the reference result."""
+    """The members of the archive but for its libraries. ``reference`` is the reference result, empty where there is none."""
     interface = traced.interface
     name = interface.unit.name
     sources = runtime_sources(fmi) | {"model.c": model_source(traced.functions).encode()}
@@ -56,8 +57,11 @@ def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
         else:
             archive["modelDescription.xml"] = model_description3(interface, name, token)
             archive["sources/buildDescription.xml"] = build_description(name, files)
-        archive["documentation/index.html"] = documentation_page(interface.as_built, interface.variables).encode()
-        archive[f"documentation/{name}_ref.csv"] = reference.encode()
+        archive["documentation/index.html"] = documentation_page(
+            interface.as_built, interface.variables, bool(reference)
+        ).encode()
+        if reference:
+            archive[f"documentation/{name}_ref.csv"] = reference.encode()
         return archive
 
     digest = hashlib.sha256(" ".join(compiler.FLAGS).encode())
@@ -118,7 +122,11 @@ def build_unit(
 ) -> tuple[Path, bool]:
     """As `build`, of a unit that has no module of its own, such as a scene."""
     traced = trace(unit, structure)
-    return package(traced, reference_result(traced.interface.as_built), directory, fmi, platforms)
+    try:
+        reference = reference_result(traced.interface.as_built)
+    except CallError:  # a cable that stretches, without its stiffness
+        reference = ""
+    return package(traced, reference, directory, fmi, platforms)
 
 
 def package(traced: Traced, reference: str, directory: Path, fmi: int, platforms: str) -> tuple[Path, bool]:

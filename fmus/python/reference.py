@@ -10,6 +10,7 @@ from .instance import Instance
 
 REFERENCE_STEPS = 100
 
+
 def reference_result(unit: Unit) -> str:
     """CSV of the reference run, as the unit itself computes it."""
     instance = Instance(unit)

@@ -217,3 +217,12 @@ def test_universal_file_holds_its_slices(tmp_path: Path) -> None:
         assert offset % (1 << align) == 0 and joined[offset : offset + size] == data
     with pytest.raises(ValueError, match="not a 64-bit Mach-O file: it begins with 7f454c46"):
         universal([b"\x7fELF" + bytes(100)])
+
+
+def test_a_build_whose_start_values_are_refused_has_no_reference_result(tmp_path: Path) -> None:
+    """A cable that stretches starts with no stiffness: the FMU is built, and its page says why the result is missing."""
+    path, written = build("tow_system", tmp_path, structure={"segments": 3.0, "extensible": 1.0})
+    assert written
+    with zipfile.ZipFile(path) as archive:
+        assert "documentation/tow_system_ref.csv" not in archive.namelist()
+        assert "no reference result" in archive.read("documentation/index.html").decode()
