@@ -177,7 +177,7 @@ def _least_rms(check: SdofCheck, runs: Runs) -> tuple[float, float]:
     """(rms of the difference of the motions, of the tensions) over those of the one-way run, at the shift by whole periods
     at which the motions differ least: a subharmonic that started a period later is the same motion."""
     period = 2.0 * math.pi / runs.omega if runs.omega else 0.0
-    found = []
+    differences = []
     for shift in range(max(1, runs.periods)):
         time = runs.time[runs.time <= runs.time[-1] - shift * period]
         pair = []
@@ -186,8 +186,8 @@ def _least_rms(check: SdofCheck, runs: Runs) -> tuple[float, float]:
             spread = float(one.std())
             difference = math.sqrt(float(np.mean((runs.coupled[name][: len(time)] - one) ** 2)))
             pair.append(difference / spread if spread else _share_of_nothing(difference))
-        found.append((pair[0], pair[1]))
-    return min(found)
+        differences.append((pair[0], pair[1]))
+    return min(differences)
 
 
 def _indicator(check: SdofCheck, runs: Runs, times: Array, system: System) -> float | None:

@@ -123,7 +123,8 @@ def item(result: Result) -> Item | None:
     name = max(names, key=names.__getitem__)
     worst, reason = names[name], f"SDOF: {name} of the one-way run against the coupled run"
     if c.chaotic:
-        return Item("not judged", "SDOF: chaotic, the statistics decide", None, c.tolerance, name=NAME, decides=False)
+        reason, decides = "SDOF: chaotic, the statistics decide", not c.statistics
+        return Item("not judged", reason, None, c.tolerance, name=NAME, decides=decides)
     if worst > c.tolerance:
         return Item("invalid", reason, worst, c.tolerance, None, "model both ways", NAME)
     if c.word == "marginal":

@@ -16,6 +16,8 @@ from towage.checks.check import Cell, Check, Part
 from towage.result.records import Comparison, Item, Statistic, Word
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -35,11 +37,11 @@ def statistics(time: Array, omega: float, signals: dict[str, tuple[Array, Array]
     rad/s. The half width is infinite for less than `FEWEST_BLOCKS` blocks."""
     periods = (time[-1] - time[0]) * omega / (2.0 * math.pi)
     blocks = min(MOST_BLOCKS, int(periods / BLOCK_PERIODS))
-    found = {}
+    compared = {}
     for name, (one, two) in signals.items():
         for kind, measure in (("standard deviation", spread), ("largest tenth", largest_tenth)):
-            found[f"{kind} of the {name}"] = _compared(measure, one, two, blocks)
-    return found
+            compared[f"{kind} of the {name}"] = _compared(measure, one, two, blocks)
+    return compared
 
 
 def spread(values: Array) -> float:
@@ -56,10 +58,10 @@ def largest_tenth(values: Array) -> float:
     return float(crests[-math.ceil(SHARE * len(crests)) :].mean()) if len(crests) else 0.0
 
 
-def _compared(measure: object, one: Array, two: Array, blocks: int) -> Statistic:
+def _compared(measure: Callable[[Array], float], one: Array, two: Array, blocks: int) -> Statistic:
+    """The statistic from the whole runs where blocks are too few, else from these."""
     import numpy as np
 
-    assert callable(measure)
     whole = measure(one), measure(two)
     error = whole[0] / whole[1] - 1.0 if whole[1] else math.inf if whole[0] else 0.0
     if blocks < FEWEST_BLOCKS:
