@@ -1,7 +1,7 @@
 """The solver's own points of a run: every communication point, whatever the scene records.
 
-Comparisons are made on them, so that ``record.interval`` changes no word. Between two points a signal is a cubic Hermite
-polynomial with slopes from its neighbours; at a point it is the value itself.
+Comparisons are made on them, so that ``record.interval`` changes no word. Between two points a signal is a cubic spline; at
+a point it is the value itself.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+FEWEST = 2000
+"""Times of a comparison under error control, at least."""
 
 
 class Track(NamedTuple):
@@ -32,19 +34,18 @@ class Track(NamedTuple):
         between = (times != time[left]) & (times != time[right])
         if not between.any():
             return known
-        step = time[right] - time[left]
-        s = np.clip((times - time[left]) / step, 0.0, 1.0)
-        slope = np.gradient(values, time)
-        change = values[right] - values[left]
-        start, end = step * slope[left] - change, change - step * slope[right]
-        cubic = values[left] + s * (change + (1.0 - s) * ((1.0 - s) * start + s * end))
-        interpolated: Array = np.where(between, cubic, known)
-        return interpolated
+        from scipy.interpolate import CubicSpline
+
+        known[between] = CubicSpline(time, values)(np.minimum(times[between], time[-1]))
+        return known
 
 
 def comparison_times(stop: float, step: float | None, interval: float) -> Array:
     """Times from 0 to ``stop``, s, at which runs are compared, equally spaced: multiples of the communication ``step``, or
-    of a shorter ``interval`` between points that the run must have."""
+    of a shorter record ``interval``, which cuts the step; under error control (``step`` None) the record times, or
+    `FEWEST` where these are fewer."""
+    if step is None:
+        interval = min(interval, stop / FEWEST)
     size = interval if step is None else min(step, interval)
     times: Array = size * np.arange(int(stop / size * (1.0 + 1e-12) + 1e-6) + 1, dtype=np.float64)
     return times

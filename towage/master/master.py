@@ -90,8 +90,7 @@ def run_resolved(
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
             others = OtherRuns(resolved, settings, stages, make_unit)
-            interval = min(settings.record_interval, settings.compare_interval)
-            times = comparison_times(settings.stop_time, settings.step, interval)
+            times = comparison_times(settings.stop_time, settings.step, settings.record_interval)
             _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))
             stages.done()
         return result

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from towage.checks.check import Start, checks_of
@@ -66,8 +65,7 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
         if check.refuses:
             findings += check.before(start)
     interval = scene.record.interval or step or stop / DEFAULT_POINTS
-    compare = stop / DEFAULT_POINTS if step is None and interval > stop / DEFAULT_POINTS else math.inf
-    settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop, compare)
+    settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop)
     return Plan(settings, start, findings)
 
 

@@ -32,9 +32,7 @@ REPORT_INTERVAL = 0.1
 
 @dataclass
 class Settings:
-    """How to couple. Either ``step`` (s) or ``tolerance`` (relative error per step). ``max_step`` bounds the latter.
-    ``compare_interval``, s: communication points that runs are compared at lie so far apart, infinite where the step or the
-    record makes enough of them."""
+    """How to couple. Either ``step`` (s) or ``tolerance`` (relative error per step). ``max_step`` bounds the latter."""
 
     scheme: Scheme
     step: float | None
@@ -43,7 +41,6 @@ class Settings:
     events: bool
     record_interval: float
     stop_time: float
-    compare_interval: float = math.inf
 
 
 @dataclass
@@ -84,9 +81,8 @@ def simulate(
 class _Simulation:
     """A run on its way: where it stands, and one communication step after the other.
 
-    ``done`` counts the steps of a fixed grid, ``rows`` the record times, ``compared`` those of comparisons. ``control`` is
-    the step that the error control wants, s. ``before`` holds the event indicators at the communication point where zeros
-    are searched for.
+    ``done`` counts the steps of a fixed grid, ``rows`` the record times. ``control`` is the step that the error control
+    wants, s. ``before`` holds the event indicators at the communication point where zeros are searched for.
     """
 
     def __init__(self, system: System, settings: Settings, recorder: Recorder) -> None:
@@ -94,7 +90,6 @@ class _Simulation:
         self.recorder = recorder
         self.run = Run(bonds=accounts(system))
         self.stop, self.interval, self.tolerance = settings.stop_time, settings.record_interval, settings.tolerance
-        self.compare = settings.compare_interval
         self.max_step = settings.max_step
         scheme = settings.scheme
         self.scheme_step = scheme.step
@@ -104,7 +99,7 @@ class _Simulation:
         self.keeps = can_roll_back and (self.searches or self.tolerance is not None or scheme.goes_back)
         self.grid = settings.step if settings.step is not None else settings.max_step
         self.control = self.max_step if self.tolerance is None else min(self.max_step, 1e-3 * self.stop)
-        self.time, self.done, self.rows, self.compared = 0.0, 0, 0, 0
+        self.time, self.done, self.rows = 0.0, 0, 0
         self.before = indications(system) if self.searches else []
 
     def to_the_end(self, report: Callable[[float], None] | None) -> None:
@@ -144,7 +139,7 @@ class _Simulation:
         an announced event is due; the time of that event, infinite if there is none by then)."""
         time, grid = self.time, self.grid
         target = (self.done + 1) * grid if self.tolerance is None else time + self.control
-        for due in ((self.rows + 1) * self.interval, (self.compared + 1) * self.compare, self.stop):
+        for due in ((self.rows + 1) * self.interval, self.stop):
             if due < target + MERGE * grid:
                 target = due
         if self.clocks:
@@ -203,8 +198,6 @@ class _Simulation:
         run.steps.append(step)
         if self.tolerance is None and end >= (self.done + 1) * self.grid - MERGE * self.grid:
             self.done += 1
-        if end >= (self.compared + 1) * self.compare - MERGE * self.grid:
-            self.compared += 1
         if end >= (self.rows + 1) * self.interval - MERGE * self.grid:
             self.record(end)
             self.rows += 1
