@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import towage
+from towage.checks.verdict import GRAVITY
 from towage.report.format import moment, number, percent
 from towage.report.plots import Plotter
 from towage.result.result import Result
@@ -17,7 +18,6 @@ PAGES = Path(__file__).with_name("scenes")
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
 README = Path(__file__).with_name("sea_cliff.svg"), "sea_cliff", "ship resonance, 3.92 s"
 """The picture of the README, and the scene and case that it is a result of."""
-GRAVITY = ("invalid", "marginal", "not judged", "valid")
 
 
 def page(scene: Scene, name: str, results: list[Result]) -> tuple[str, str | None]:

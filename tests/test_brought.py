@@ -21,8 +21,8 @@ import json
 
 import msgspec
 
-from towage.checks.check import Cell, Check, Finished, Item, Part, Start, told
-from towage.result.records import Finding
+from towage.checks.check import Cell, Check, Finished, Part, Start, told
+from towage.result.records import Finding, Item
 from towage.result.writers import Writer
 from towage.scene.parts import Seconds, Variant
 

@@ -154,7 +154,9 @@ def test_summary_is_finite_json():
     result.columns["nothing"] = np.full(200, math.nan)
     summary = json.loads(json.dumps(result.summary(), allow_nan=False))
     assert summary["events"] == {"line.taut": 2, "cradle.docking": 1}
-    assert summary["verdict"] == {"word": "valid", "reason": "amplitude", "number": 0.011, "limit": 0.05}
+    assert summary["verdict"] == {
+        "word": "valid", "reason": "amplitude", "number": 0.011, "limit": 0.05, "time": None, "remedy": "", "items": [],
+    }  # fmt: skip
     assert summary["statistics"] == {"steps": 160, "real_time_factor": None}
     assert (summary["samples"], summary["end_time"]) == (200, 16.0)
     tension = result["line.tension"]

@@ -144,6 +144,7 @@ CHECKS = Registry(
         "step": "towage.checks.step:CHECK",
         "error": "towage.checks.error:CHECK",
         "sdof": "towage.checks.sdof:CHECK",
+        "statistics": "towage.checks.statistics:CHECK",
         "simpler": "towage.checks.simpler:CHECK",
         "towing": "towage.checks.tows:CHECK",
         "margins": "towage.checks.margins:CHECK",

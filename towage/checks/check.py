@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from towage.registry import CHECKS
-from towage.result.records import Finding, Word
+from towage.result.records import Finding, Item
 from towage.scene.parts import Variant
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from msgspec import Struct
     from numpy.typing import NDArray
 
+    from towage.checks.track import Track
     from towage.result.result import Result
     from towage.scene.resolve import ResolvedScene
     from towage.scene.scene import Scene
@@ -32,18 +33,6 @@ if TYPE_CHECKING:
 
 
 # ---- what a check contributes ----------------------------------------------------------------------------------------
-
-
-class Item(NamedTuple):
-    """What a check says to the verdict: its word, why, the number that decided with its limit, and where they are known
-    the time of that number (s) and what the user can do about it."""
-
-    word: Word
-    reason: str
-    number: float | None
-    limit: float | None
-    time: float | None = None
-    remedy: str = ""
 
 
 class Cell(NamedTuple):
@@ -130,6 +119,10 @@ class Finished:
     not keep. ``again(name)``: (time, columns) of another run, which the check announced by `Check.variants`; each is made
     once, whoever asks. It raises `RunError` where that run fails. ``order``: order of the error in the step, 0 where an
     error control chooses the step. A check may set what ``result`` has room for.
+
+    Comparisons are made on the solver's own points, at ``times`` (s, equally spaced): ``track`` has those of this run,
+    ``track_of(name)`` those of another, and raises as ``again`` does. ``step``: the communication step, s, None under error
+    control.
     """
 
     scene: ResolvedScene
@@ -138,6 +131,10 @@ class Finished:
     result: Result
     columns: Mapping[str, Array]
     again: Callable[[str], tuple[Array, dict[str, Array]]]
+    step: float | None
+    times: Array
+    track: Track
+    track_of: Callable[[str], Track]
 
 
 # ---- the check -------------------------------------------------------------------------------------------------------
@@ -175,6 +172,9 @@ class Check:
     variants: Callable[[Scene], Sequence[Variant]] = _none
     """The other runs that ``after`` asks for."""
 
+    reads: Callable[[Scene], Sequence[str]] = _none
+    """The outputs, "unit.variable", that ``after`` compares: they are read in all runs, whether recorded or not."""
+
     before: Callable[[Start], Sequence[Finding]] = _none
     """What can be said before the run (`towage check`)."""
 
@@ -185,7 +185,7 @@ class Check:
     """What the run shows."""
 
     item: Callable[[Result], Item | None] = lambda result: None
-    """What the check says to the verdict."""
+    """What the check says to the verdict. Its name is that of the check where it gives none."""
 
     report: Callable[[Result], Sequence[Part]] = _none
     """The check's part of the report."""

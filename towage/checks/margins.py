@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from towage.checks.check import Cell, Check, Finished, Item, Part
-from towage.result.records import Finding, Margin
+from towage.checks.check import Cell, Check, Finished, Part
+from towage.result.records import Finding, Item, Margin
 
 if TYPE_CHECKING:
     from towage.result.result import Result
+
+
+PREMISES = "premises"
+"""The item on the assumptions of the models."""
 
 
 def after(run: Finished) -> list[Finding]:
@@ -31,8 +35,8 @@ def item_of(margins: Sequence[Margin]) -> Item | None:
         return None
     if worst.worst < 0.0:
         reason = f"{worst.variable} is negative at t = {worst.time:.4g} s"
-        return Item("invalid", reason, worst.worst, 0.0, worst.time)
-    return Item("valid", f"smallest margin is {worst.variable}", worst.worst, 0.0, worst.time)
+        return Item("invalid", reason, worst.worst, 0.0, worst.time, name=PREMISES)
+    return Item("valid", f"smallest margin is {worst.variable}", worst.worst, 0.0, worst.time, name=PREMISES)
 
 
 def report(result: Result) -> list[Part]:

@@ -12,6 +12,8 @@ PADDING = 8
 """The spectrum is taken of this many lengths of the record, so that the parabola through its peak is narrow."""
 FEWEST = 16
 """Samples without which no frequency is told."""
+MOST_PERIODS = 8
+"""Subharmonics are looked for up to this order."""
 LOWEST = 2 * PADDING
 """Place of two periods in the padded spectrum; a peak below it is no frequency."""
 
@@ -44,18 +46,21 @@ def component(time: Array, values: Array, omega: float) -> complex:
     return complex(c, -s)
 
 
-def repeats(time: Array, values: Array, omega: float | None, tolerance: float) -> bool:
-    """Whether a motion is the same one period later, within half the tolerance. A subharmonic or chaotic motion is not:
-    two such runs may differ by a whole amplitude at every instant and still be the same motion."""
-    if omega is None:
-        return True
-    period = 2.0 * math.pi / omega
-    late = time[time <= time[-1] - period]
-    if len(late) < 8:
-        return True
-    change = np.interp(late + period, time, values) - values[: len(late)]
+def repeats_after(time: Array, values: Array, omega: float | None, tolerance: float) -> int:
+    """After how many periods of the driver (1 to `MOST_PERIODS`) a motion is the same again, within half the tolerance; 0
+    if it is not: still ringing, irregular, chaotic. A motion without frequency, or too short to tell, counts as 1."""
     spread = float(np.std(values))
-    return not spread or math.sqrt(float(np.mean(change**2))) <= 0.5 * tolerance * spread
+    if omega is None or not spread:
+        return 1
+    for n in range(1, MOST_PERIODS + 1):
+        period = 2.0 * math.pi * n / omega
+        late = time[time <= time[-1] - period]
+        if len(late) < 8:
+            return 1 if n == 1 else 0
+        change = np.interp(late + period, time, values) - values[: len(late)]
+        if math.sqrt(float(np.mean(change**2))) <= 0.5 * tolerance * spread:
+            return n
+    return 0
 
 
 def peak(values: Array) -> float:

@@ -1,16 +1,16 @@
 """Is a simpler model of a unit enough for this scene? A rigid slender body for a flexible one, in the first place.
 
 The scene is run a second time with the values of ``checks.simpler`` (``body.flexible`` = 0: two pairs of states, no flexural
-mode), and its motions are compared with those of the full run; the words are those of the SDOF check:
+mode), and its motions are compared with those of the full run:
 
 | word | meaning |
 |---|---|
-| valid | swing and rms difference of every motion within the tolerance e, and the simpler model trusts itself |
-| marginal | differences within e, but the ``margin`` of the simpler run is negative: another scene may break it |
-| invalid | a difference exceeds e: what the simpler model leaves out matters |
+| enough | swing and rms difference of every motion within the tolerance e, and the simpler model trusts itself |
+| barely enough | differences within e, but the ``margin`` of the simpler run is negative: another scene may break it |
+| not enough | a difference exceeds e: what the simpler model leaves out matters |
 
 Differences are relative to the full run: (swing simpler/swing full - 1), swing = largest - smallest value, and
-rms(simpler - full)/rms(full - mean). The word judges the simpler model, not the run, whose verdict it leaves alone.
+rms(simpler - full)/rms(full - mean). The words are of the simpler model and none of the run's.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ import msgspec
 
 from towage.checks.check import Check, Finished, told, window
 from towage.errors import RunError
-from towage.result.records import Finding
+from towage.result.records import Finding, Item, Word
 from towage.scene.parts import Seconds, Variant
 from towage.scene.scene import Scene
 
 if TYPE_CHECKING:
     from towage.checks.signals import Array
+    from towage.result.result import Result
     from towage.scene.values import Names
 
 RUN = "simpler model"
@@ -98,7 +99,7 @@ def compare(
     check: SimplerCheck, time: Array, full: Mapping[str, Array], simpler_time: Array, simpler: Mapping[str, Array]
 ) -> Finding:
     """The finding, with the largest difference and the tolerance. Times (s) are matched; a simpler run that ended early
-    counts as invalid."""
+    is not enough."""
     import numpy as np
 
     _, here, there = np.intersect1d(np.round(time, 9), np.round(simpler_time, 9), return_indices=True)
@@ -106,7 +107,7 @@ def compare(
     here, there = here[settled], there[settled]
     change = ", ".join(f"{key} = {value}" for key, value in check.set.items())
     if len(here) < 2 or simpler_time[-1] < time[-1] - SAME_TIME:
-        return Finding(RUN, "info", None, check.tolerance, f"invalid: with {change} the run ended early")
+        return Finding(RUN, "info", None, check.tolerance, f"not enough: with {change} the run ended early")
     worst, what = 0.0, "nothing moves"
     for name in check.motions:
         swing, rms = differences(full[name][here], simpler[name][there])
@@ -114,10 +115,21 @@ def compare(
             if not size <= worst:
                 worst, what = size, f"{kind} difference of {name} is {100.0 * size:.3g} %"
     trust = float(np.min(simpler[check.margin])) if check.margin else 1.0
-    word = "invalid" if not worst <= check.tolerance else "marginal" if trust < 0.0 else "valid"
+    word = "not enough" if not worst <= check.tolerance else "barely enough" if trust < 0.0 else "enough"
     own = f"; its {check.margin} falls to {trust:.3g}" if check.margin else ""
     message = f"{word}: with {change} the largest difference is: {what}{own}"
-    return Finding(RUN, "ok" if word == "valid" else "info", worst, check.tolerance, message)
+    return Finding(RUN, "ok" if word == "enough" else "info", worst, check.tolerance, message)
+
+
+def item(result: Result) -> Item | None:
+    """What the card shows of the simpler model; it does not decide on the run."""
+    finding = next((finding for finding in result.checks if finding.name == RUN), None)
+    if finding is None:
+        return None
+    judged = finding.value is not None or finding.limit is not None
+    word: Word = "valid" if judged else "not judged"
+    reason = f"a simpler model is {finding.message}"
+    return Item(word, reason, finding.value, finding.limit, None, "", "simpler", decides=False)
 
 
 CHECK = Check(
@@ -128,5 +140,6 @@ CHECK = Check(
     fit=fit,
     variants=variants,
     after=after,
+    item=item,
     summary=lambda result: told(result, RUN),
 )

@@ -2,5 +2,5 @@
 
 UNITS = ("tow_system", "tow_cable", "tow_cable_nonlinear")
 """The units that tow."""
-SPRING = "SDOF on a spring EA/L"
+SPRING = "spring EA/L"
 """The finding on the simplest model of a tow."""

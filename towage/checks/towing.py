@@ -172,13 +172,13 @@ def after_run(resolved: ResolvedScene) -> list[Finding]:
         findings = [spring_check(tow, tolerance) for tow in tows(resolved)]
     except CableError as error:
         # a run that is done keeps its result
-        findings = [Finding(SPRING, "warning", None, tolerance, f"not judged: {error}")]
+        findings = [Finding(SPRING, "warning", None, tolerance, f"could not be compared: {error}")]
     return [finding for finding in findings if finding]
 
 
 def spring_check(tow: SceneTow, tolerance: float) -> Finding | None:
     """Body on a spring EA/L against body on the cable, at the frequency of the ship's heave; None where there is no such
-    spring or no ship. Relative error of the body's heave: valid within ``tolerance``, marginal within twice that. Raises
+    spring or no ship. Relative error of the body's heave: it would do within ``tolerance``, nearly within twice that. Raises
     `CableError` where the response is refused."""
     if tow.drive is None or spring_gain(tow.tow, tow.drive[1]) is None:
         return None
@@ -186,11 +186,11 @@ def spring_check(tow: SceneTow, tolerance: float) -> Finding | None:
     assert gain.spring is not None
     right = abs(gain.body_heave)
     off = abs(gain.spring / right - 1.0) if right else math.inf
-    word = "valid" if off <= tolerance else "marginal" if off <= 2.0 * tolerance else "invalid"
+    word = "would do" if off <= tolerance else "nearly would do" if off <= 2.0 * tolerance else "would not do"
     return Finding(
-        SPRING, "ok" if word == "valid" else "info", off, tolerance,
-        f"{word}: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} heaves {gain.spring:.4g} m per metre "
-        f"of the towpoint, on the cable {right:.4g} m",
+        SPRING, "ok" if off <= tolerance else "info", off, tolerance,
+        f"a body on a spring {word} in place of the cable: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} "
+        f"heaves {gain.spring:.4g} m per metre of the towpoint, on the cable {right:.4g} m",
     )  # fmt: skip
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 
-from towage.checks.check import Finished, checks_of
+from towage.checks.check import Check, Finished, checks_of
+from towage.checks.track import Track, comparison_times
 from towage.checks.verdict import verdict
 from towage.errors import RunError
 from towage.master.plan import plan, refuse, started
@@ -17,10 +20,10 @@ from towage.master.recorder import Recorder, read_events, read_journal
 from towage.master.simulation import Run, Settings, simulate
 from towage.master.stages import Report, Stages
 from towage.master.system import System
-from towage.result.records import Finding, Verdict
+from towage.result.records import Finding, Item, Verdict
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, ResolvedVariant
 from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.units.fmu import Unit, UnitFactory
@@ -30,6 +33,8 @@ Columns = dict[str, Array]
 MAIN = "coupled run"
 COARSE = 2.0
 """A coarse run has a step so much longer, and takes so much less time; its error is 2^p as large."""
+NUDGE = 1e-9
+"""Relative change of a value that shows whether a motion is chaotic."""
 COARSE_TOLERANCE = 10.0
 """A coarse run under error control has a tolerance so much larger."""
 
@@ -79,14 +84,14 @@ def run_resolved(
         planned = plan(resolved, system)
         refuse(planned.findings, resolved)
         settings = planned.settings
-        weights = {variant.name: 1.0 / COARSE if variant.coarse else 1.0 for variant in resolved.variants}
-        stages = Stages(report, {MAIN: 1.0} | weights)
+        stages = Stages(report, {MAIN: 1.0} | {variant.name: _weight(variant) for variant in resolved.variants})
         result = _result(resolved, settings.scheme.name, planned.findings)
-        columns = _coupled_run(resolved, system, settings, result, stages, journal)
+        columns, track = _coupled_run(resolved, system, settings, result, stages, journal)
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
             others = OtherRuns(resolved, settings, stages, make_unit)
-            _judge(Finished(resolved, system, order, result, columns, others.columns))
+            times = comparison_times(settings.stop_time, settings.step, settings.record_interval)
+            _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))
             stages.done()
         return result
     finally:
@@ -118,6 +123,13 @@ def salvaged(resolved: ResolvedScene, journal: Path | None, message: str) -> Res
     return result
 
 
+class OtherRun(NamedTuple):
+    """What the scene records of another run, (time, columns), and all its communication points."""
+
+    record: tuple[Array, Columns]
+    track: Track
+
+
 class OtherRuns:
     """The other runs that checks ask for. Each is made when it is first asked for, and once, whoever asks."""
 
@@ -129,12 +141,19 @@ class OtherRuns:
         self._stages = stages
         self._make_unit = make_unit
         self._variants = {variant.name: variant for variant in resolved.variants}
-        self._known: list[tuple[ResolvedScene, bool, tuple[Array, Columns] | RunError]] = []
+        self._known: list[tuple[ResolvedScene, bool, OtherRun | RunError]] = []
 
     def columns(self, name: str) -> tuple[Array, Columns]:
-        """(time, columns) of the run called ``name``. Raises `RunError` where it fails."""
+        """(time, columns) of what the run called ``name`` records. Raises `RunError` where it fails."""
+        return self._made(name).record
+
+    def track(self, name: str) -> Track:
+        """All communication points of the run called ``name``. Raises `RunError` where it fails."""
+        return self._made(name).track
+
+    def _made(self, name: str) -> OtherRun:
         variant = self._variants[name]
-        scene = variant.scene or self._resolved
+        scene = nudged(variant.scene or self._resolved, variant.nudged)
         outcome = next((o for s, coarse, o in self._known if s == scene and coarse == variant.coarse), None)
         if outcome is None:
             outcome = self._run(name, scene, _coarse(self._settings) if variant.coarse else self._settings)
@@ -143,7 +162,7 @@ class OtherRuns:
             raise outcome
         return outcome
 
-    def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> tuple[Array, Columns] | RunError:
+    def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> OtherRun | RunError:
         try:
             system = started(scene, self._make_unit, self._resolved)
             try:
@@ -153,7 +172,26 @@ class OtherRuns:
                 system.close()
         except RunError as error:
             return error
-        return recorder.columns()
+        return OtherRun(recorder.columns(), recorder.track())
+
+
+def _weight(variant: ResolvedVariant) -> float:
+    """Expected time of another run over that of the coupled one; a nudged one is made in few scenes only."""
+    return 0.0 if variant.nudged else 1.0 / COARSE if variant.coarse else 1.0
+
+
+def nudged(resolved: ResolvedScene, unit: str) -> ResolvedScene:
+    """The scene with the first value set on ``unit`` (or else on any other unit) that is a number other than zero changed
+    by `NUDGE`; the scene itself without a name. Raises `RunError` where there is no such value."""
+    if not unit:
+        return resolved
+    for name in sorted(resolved.units, key=lambda name: name != unit):
+        entry = resolved.units[name]
+        for parameter, value in entry.parameters.items():
+            if isinstance(value, float) and value and math.isfinite(value):
+                changed = structs.replace(entry, parameters={**entry.parameters, parameter: value * (1.0 + NUDGE)})
+                return structs.replace(resolved, units={**resolved.units, name: changed})
+    raise RunError("no unit of the scene has a value that could be changed by 1e-9")
 
 
 def _coarse(settings: Settings) -> Settings:
@@ -169,9 +207,9 @@ def _coarse(settings: Settings) -> Settings:
 
 def _coupled_run(
     resolved: ResolvedScene, system: System, settings: Settings, result: Result, stages: Stages, journal: Path | None
-) -> Columns:
-    """Every observed output of the coupled run; those that are recorded, events and counts go to the result, which is a
-    failed one where the run fails."""
+) -> tuple[Columns, Track]:
+    """Every observed output of the coupled run, as recorded and at all communication points; those that are recorded,
+    events and counts go to the result, which is a failed one where the run fails."""
     recorder = _recorder(system, journal)
     try:
         run = simulate(system, settings, recorder, stages.progress(MAIN, settings.stop_time))
@@ -193,15 +231,33 @@ def _coupled_run(
         "cpu_s": run.cpu,
         "real_time_factor": run.time / run.wall if run.wall else math.nan,
     }
-    return columns
+    return columns, recorder.track()
 
 
 def _judge(run: Finished) -> None:
-    """Have the checks look at the run, and put their words together."""
-    checks = checks_of(run.scene.scene)
+    """Have the checks look at the run, and put their words together. A check that breaks costs its own word, never the
+    finished run."""
+    checks, broken = checks_of(run.scene.scene), {}
     for check in checks:
-        run.result.checks += check.after(run)
-    run.result.verdict = verdict(check.item(run.result) for check in checks)
+        try:
+            run.result.checks += check.after(run)
+        except Exception as error:
+            broken[check.name] = _broken(run.result, check, error)
+    said = []
+    for check in checks:
+        try:
+            item = broken.get(check.name) or check.item(run.result)
+        except Exception as error:
+            item = _broken(run.result, check, error)
+        said.append(item and replace(item, name=item.name or check.name))
+    run.result.verdict = verdict(said)
+
+
+def _broken(result: Result, check: Check, error: Exception) -> Item:
+    """What a check says that broke."""
+    reason = f"could not be judged: {type(error).__name__}: {error}"
+    result.checks.append(Finding(check.name, "warning", None, None, reason))
+    return Item("not judged", f"{check.name} {reason}", None, None)
 
 
 def _recorder(system: System, journal: Path | None) -> Recorder:

@@ -1,4 +1,5 @@
-"""What a run records: one row of doubles a point, kept in memory and, if wanted, in a journal file.
+"""What a run records: one row of doubles a communication point, kept in memory, and those that the scene records in a
+journal file, if wanted.
 
 A row of the journal is handed to the operating system at once (2 us), so that the journal is complete up to the point
 at which a process dies. Events go to a file beside it, one JSON object a line.
@@ -15,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from towage.checks.track import Track
 from towage.result.result import Event
 
 EVENTS = ".events"
@@ -22,23 +24,26 @@ EVENTS = ".events"
 
 
 class Recorder:
-    """Rows of (time, values of all units in order). ``names`` are the columns as unit.variable."""
+    """Rows of (time, values of all units in order). ``names`` are the columns as unit.variable; ``recorded`` tells of
+    every row whether the scene records it, else it serves comparisons alone."""
 
     def __init__(self, names: Sequence[str], journal: Path | None = None) -> None:
         self.names = list(names)
         self.data = array("d")
+        self.recorded = array("b")
         self._file = open(journal, "wb", buffering=0) if journal else None  # noqa: SIM115
         self._events = journal.with_suffix(EVENTS) if journal else None
         if self._file:
             self._file.write(json.dumps(self.names).encode() + b"\n")
 
-    def row(self, time: float, values: Sequence[Sequence[float]]) -> None:
+    def row(self, time: float, values: Sequence[Sequence[float]], recorded: bool = True) -> None:
         """Append a row."""
         begin = len(self.data)
+        self.recorded.append(recorded)
         self.data.append(time)
         for part in values:
             self.data.extend(part)
-        if self._file:
+        if self._file and recorded:
             try:
                 self._file.write(self.data[begin:])
             except OSError:  # a full disk costs the journal, not the run
@@ -57,8 +62,14 @@ class Recorder:
             self._file = None
 
     def columns(self) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
-        """(times, columns by name)."""
-        return _columns(np.array(self.data), self.names)
+        """(times, columns by name) of the rows that the scene records."""
+        time, columns = _columns(np.array(self.data), self.names)
+        kept = np.array(self.recorded, dtype=bool)
+        return time[kept], {name: values[kept] for name, values in columns.items()}
+
+    def track(self) -> Track:
+        """All rows."""
+        return Track(*_columns(np.array(self.data), self.names))
 
 
 def read_journal(path: Path) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:

@@ -201,7 +201,9 @@ class _Simulation:
         if end >= (self.rows + 1) * self.interval - MERGE * self.grid:
             self.record(end)
             self.rows += 1
+        else:
+            self.record(end, recorded=False)
 
-    def record(self, time: float) -> None:
-        """Append the values of all units to the record."""
-        self.recorder.row(time, [unit.values for unit in self.system.units])
+    def record(self, time: float, recorded: bool = True) -> None:
+        """Append the values of all units; ``recorded``: the scene records them."""
+        self.recorder.row(time, [unit.values for unit in self.system.units], recorded)

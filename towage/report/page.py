@@ -15,11 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from towage.checks.check import every_check
+from towage.checks.verdict import GRAVITY
 from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
-from towage.report.tables import accuracy, checks, events, of_checks, statistics
-from towage.result.result import Margin, Result
+from towage.report.tables import accuracy, card, checks, events, of_checks, statistics
+from towage.result.result import Item, Margin, Result
 
 _PLOTTED_CASES = 10
 """Cases with diagrams, the gravest first: more would make the file too large to send."""
@@ -29,7 +30,6 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
-_GRAVITY = ("invalid", "marginal", "not judged", "valid")
 _ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
 
@@ -60,6 +60,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  failure         {result.message or 'no reason was given'}")
     if result.verdict.reason or result.verdict.number is not None:
         lines.append(f"  verdict         {_reason(result)}")
+    lines += [f"  {item.name:15} {_item_text(item)}" for item in result.verdict.items]
     lines += [f"  {label:15} {text}" for check in every_check() for label, text in check.summary(result)]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
@@ -109,7 +110,7 @@ def _overview(results: Sequence[Result], plotted: int, detailed: Sequence[int]) 
             )
         )
     counted = Counter("failed" if result.status == "failed" else result.verdict.word for result in results)
-    count = ", ".join(f"{counted[word]} {word}" for word in ("failed", *_GRAVITY) if counted[word])
+    count = ", ".join(f"{counted[word]} {word}" for word in ("failed", *GRAVITY) if counted[word])
     note = f"{len(results)} case{'s' if len(results) > 1 else ''}: {count}. A margin is 1 at rest, 0 at the limit of "
     note += "validity and negative beyond."
     if plotted < len(results):
@@ -126,7 +127,7 @@ def _case_head(result: Result, titled: bool) -> str:
         partial = f"\nWhat follows covers the part up to {moment(float(result.time[-1]))}." if len(result.time) else ""
         head += f'<div class="failure" role="alert"><strong>The run failed.</strong> {escape(reason + partial)}</div>'
     reason = _reason(result)
-    return head + (f"<p>{escape(reason[0].upper() + reason[1:])}</p>" if reason else "") + _facts(result)
+    return head + (f"<p>{escape(reason[0].upper() + reason[1:])}</p>" if reason else "") + card(result) + _facts(result)
 
 
 def _facts(result: Result) -> str:
@@ -207,6 +208,14 @@ def _reason(result: Result) -> str:
     return f"{verdict.reason} ({number(verdict.number)}{limit})".strip()
 
 
+def _item_text(item: Item) -> str:
+    """An item of the verdict in a line: its word, number and limit, and what can be done; its reason stands in the report."""
+    value = "" if item.number is None else f" ({number(item.number)}, limit {number(item.limit)})"
+    shown = "" if item.decides else ", does not decide"
+    remedy = f": {item.remedy}" if item.remedy else ""
+    return f"{item.word}{value}{shown}{remedy}"
+
+
 def _margin_text(margin: Margin) -> str:
     use = "" if margin.decides else ", report only"
     return f"{number(margin.worst)} ({margin.variable} at {moment(margin.time)}{use})"
@@ -232,4 +241,4 @@ def _duration(result: Result) -> float:
 
 
 def _gravity(result: Result) -> int:
-    return -1 if result.status == "failed" else _GRAVITY.index(result.verdict.word)
+    return -1 if result.status == "failed" else GRAVITY.index(result.verdict.word)

@@ -47,6 +47,19 @@ def _cell(cell: Cell) -> str:
     return f"{plus}{number(value)}{unit if unit in ('', '°') else f' {unit}'}"
 
 
+def card(result: Result) -> str:
+    """The items that the verdict is put together from, with what can be done about each."""
+    rows = [
+        (
+            item.name, badge(item.word), item.reason + ("" if item.decides else " (does not decide)"), number(item.number),
+            number(item.limit), "–" if item.time is None else moment(item.time), item.remedy or "–",
+        )
+        for item in result.verdict.items
+    ]  # fmt: skip
+    head = ("Asked", "Word", "Why", "Number", "Limit", "At", "What to do")
+    return str(table(head, rows, (3, 4, 5))) if rows else ""
+
+
 def checks(result: Result) -> str:
     """What the checks said before and after the run."""
     if not result.checks:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 Word = Literal["valid", "marginal", "invalid", "not judged"]
@@ -22,13 +22,14 @@ class Event:
 @dataclass(frozen=True)
 class Finding:
     """What a check found before or after a run; ``value`` and ``limit`` where there are any, in the unit that ``message``
-    names. A run with a finding of level "refused" is not begun."""
+    names; ``remedy``: what can be done about it. A run with a finding of level "refused" is not begun."""
 
     name: str
     level: Literal["ok", "warning", "refused", "info"]
     value: float | None
     limit: float | None
     message: str
+    remedy: str = ""
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,11 @@ class Comparison:
     """The coupled run against the one-way run, which is the assumption of a single degree of freedom.
 
     ``amplitude``, ``peak_tension``: relative change. ``phase``: change, rad. ``rms`` of the difference over rms of the
-    one-way motion. ``indicator`` eps = |D2/D1|, ``bound`` eps/(1 - eps) and the closed form ``estimate`` eps* need no
+    one-way motion. ``indicator`` eps, ``bound`` eps/(1 - eps) and the closed form ``estimate`` eps* need no
     coupled run. ``eigenvector`` and ``frequency_shift`` are the thesis's own indicators, which pass wrongly.
+    ``tension_rms``: as rms, of the tension. ``periods``: the one-way motion repeats after so many periods of its driver, 0
+    if it does not. ``chaotic``: two one-way runs that begin 1e-9 apart drift away from one another; amplitude, peak tension
+    and both rms then decide nothing. ``statistics``: quantity to its `Statistic`, where motions do not repeat.
     """
 
     tolerance: float
@@ -62,16 +66,47 @@ class Comparison:
     eigenvector: float | None
     frequency_shift: float | None
     word: str
+    tension_rms: float = 0.0
+    periods: int = 0
+    chaotic: bool = False
+    statistics: dict[str, Statistic] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """The judgement on a run, with the number that decided and its limit."""
+class Statistic:
+    """Relative error of a statistic of the one-way run, and half the width of its confidence interval (95 %)."""
+
+    error: float
+    half_width: float
+
+
+@dataclass(frozen=True)
+class Item:
+    """What one check says to the verdict: its word, why, the number that decided with its limit, and where they are known
+    the time of that number (s) and what can be done about it. An item that does not ``decide`` is shown only."""
 
     word: Word
     reason: str
     number: float | None
     limit: float | None
+    time: float | None = None
+    remedy: str = ""
+    name: str = ""
+    decides: bool = True
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The judgement on a run: the gravest of its ``items``, with the number that decided, its limit, its time (s) and the
+    remedy, where there are any."""
+
+    word: Word
+    reason: str
+    number: float | None
+    limit: float | None
+    time: float | None = None
+    remedy: str = ""
+    items: tuple[Item, ...] = ()
 
 
 NOT_JUDGED = Verdict("not judged", "", None, None)

@@ -10,7 +10,7 @@ import os
 import zipfile
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -21,14 +21,14 @@ from towage.result import frames, show
 from towage.result.csv_file import write_csv
 from towage.result.mat_file import write_mat
 from towage.result.npz_file import read_npz, write_npz
-from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Margin, Verdict
+from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Item, Margin, Statistic, Verdict
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = ["Array", "Comparison", "Event", "Finding", "Margin", "Result", "Verdict"]
+__all__ = ["Array", "Comparison", "Event", "Finding", "Item", "Margin", "Result", "Statistic", "Verdict"]
 
 Array = NDArray[Any]
 
@@ -126,8 +126,13 @@ class Result:
             values: dict[str, Any] = read_npz(path)
             for kind, record in (("events", Event), ("checks", Finding), ("margins", Margin)):
                 values[kind] = [record(**each) for each in values[kind]]
-            values["verdict"] = Verdict(**values["verdict"])
-            values["comparison"] = values["comparison"] and Comparison(**values["comparison"])
+            said = values["verdict"]
+            said["items"] = tuple(Item(**each) for each in said.get("items", ()))
+            values["verdict"] = Verdict(**said)
+            if compared := values["comparison"]:
+                known = compared.get("statistics", {})
+                compared["statistics"] = {name: Statistic(**each) for name, each in known.items()}
+                values["comparison"] = Comparison(**compared)
             return cls(**values)
         except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             raise TowageError(f"{os.fspath(path)} is not a result of towage: {error}") from error
@@ -181,7 +186,7 @@ class Result:
         records = {"events", "checks", "margins"}
         values = {name: value for name, value in vars(self).items() if name not in arrays}
         values |= {name: [vars(record) for record in values[name]] for name in records}
-        return values | {"verdict": vars(self.verdict), "comparison": self.comparison and vars(self.comparison)}
+        return values | {"verdict": asdict(self.verdict), "comparison": self.comparison and asdict(self.comparison)}
 
 
 def _plain(value: Any, finite: bool) -> Any:

@@ -80,8 +80,10 @@ class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 class Variant(NamedTuple):
     """Another run of a scene, to compare with: ``name`` as its progress is told; the scene, None for the same one;
-    ``coarse``: with doubled communication step, or tenfold tolerance."""
+    ``coarse``: with doubled communication step, or tenfold tolerance; ``nudged``: a unit, a value of which is changed by
+    1e-9 of itself."""
 
     name: str
     scene: Scene | None
     coarse: bool = False
+    nudged: str = ""

@@ -55,13 +55,15 @@ class ResolvedVariant(msgspec.Struct, frozen=True):
     name: str
     scene: ResolvedScene | None
     coarse: bool
+    nudged: str = ""
 
 
 class ResolvedScene(msgspec.Struct, frozen=True):
     """A scene in which everything named exists and fits. ``record`` is (unit, variable); ``loops`` the algebraic ones,
     as "a.y -> b.u -> b.y -> a.u -> a.y": solved by the implicit scheme, or only presumed, for want of declarations;
     ``variants`` the other runs that its checks ask for; ``forgotten`` the inputs, as "unit.input", that are neither connected
-    nor set and whose start value has no meaning of its own."""
+    nor set and whose start value has no meaning of its own; ``reads`` (unit, variable) that checks compare, recorded or
+    not."""
 
     scene: Scene
     units: dict[str, ResolvedUnit]
@@ -70,6 +72,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     loops: tuple[str, ...]
     variants: tuple[ResolvedVariant, ...] = ()
     forgotten: tuple[str, ...] = ()
+    reads: tuple[tuple[str, str], ...] = ()
 
 
 def described(scene: Scene, locate: Locate, open_ends: bool = False) -> ResolvedScene:
@@ -126,15 +129,18 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
     forgotten = unset_inputs(names, sources, open_ends)
     check_physical(names, {name: unit.parameters for name, unit in resolved.units.items()})
     _check_margins(names)
-    variants = []
+    variants, reads = [], []
     for check in scene.active_checks():
         check.fit(names, scene.checks.get(check.name))
+        reads += [(unit, name) for unit, _, name in (text.partition(".") for text in check.reads(scene))]
+    for check in scene.active_checks():
         for variant in check.variants(scene):
             other = _bare(variant.scene, Names(variant.scene, descriptions)) if variant.scene else None
-            variants.append(ResolvedVariant(variant.name, other, variant.coarse))
+            other = other and replace(other, reads=tuple(reads))
+            variants.append(ResolvedVariant(variant.name, other, variant.coarse, variant.nudged))
     _check_instances(scene, descriptions, bool(variants))
     _check_loops(resolved.loops, names)
-    return replace(resolved, variants=tuple(variants), forgotten=forgotten)
+    return replace(resolved, variants=tuple(variants), forgotten=forgotten, reads=tuple(reads))
 
 
 def _bare(scene: Scene, names: Names) -> ResolvedScene:
