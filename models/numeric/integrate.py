@@ -43,6 +43,10 @@ SMALLEST = 2.2250738585072014e-308
 NEAR = 0.1
 """Share of its values at both ends of a step below which the vertex of an indicator's parabola is looked at."""
 
+FAR = 0.35
+"""Share of its value at either end above which an indicator at mid-step rules out such a vertex: a parabola whose vertex is
+below 0.1 of the larger end is at mid-step below 0.1 + 0.9/4 of it. For speed alone."""
+
 ROUNDING = 1e-9
 """Share of its value beyond the next zero below which an indicator is zero but for rounding."""
 
@@ -87,12 +91,12 @@ def unrolled(method: Tableau, n: int) -> Step:
 
 def _until_event(
     step: Step, rates: Rates, indicators: Indicators, t: float, x: Vector, f: Sequence[float], g: Sequence[float],
-    trial: float, landing: float, y: Vector, f_new: Sequence[float], blind: float,
+    trial: float, landing: float, y: Vector, f_new: Sequence[float], g_new: Sequence[float], high: float, blind: float,
 ) -> tuple[float, float, Vector, Sequence[float], Sequence[float], bool, float]:  # fmt: skip
-    """The step of size ``trial`` from (t, x) to (landing, y), cut just beyond its first event: (size, landing, y, rates and
-    indicators there, whether there is an event, the next ``blind``)."""
-    g_new, event, whole = indicators(landing, y), False, trial
-    high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+    """The step of size ``trial`` from (t, x) to (landing, y), where an indicator has another sign at ``high`` or seems to,
+    cut just beyond its first event: (size, landing, y, rates and indicators there, whether there is an event, the next
+    ``blind``)."""
+    event, whole = False, trial
     while high > 0.0:
         located = _locate(step, rates, indicators, t, x, f, g, high, trial, blind)
         if not located:  # only the interpolant changes its sign
@@ -168,9 +172,14 @@ def integrate(
         grown = trial * min(MOST_GROWTH, SAFETY * ratio**exponent) if ratio > 1e-9 else MOST_GROWTH * trial
         event = False
         if indicators:
-            trial, landing, y, f_new, g, event, blind = _until_event(
-                step, rates, indicators, t, x, f, g, trial, landing, y, f_new, blind
-            )
+            g_new = indicators(landing, y)
+            high = trial if _differ(g, g_new) else _inside(g, g_new, indicators, t, x, f, trial, y, f_new)
+            if high > 0.0:
+                trial, landing, y, f_new, g, event, blind = _until_event(
+                    step, rates, indicators, t, x, f, g, trial, landing, y, f_new, g_new, high, blind
+                )
+            else:
+                g, blind = g_new, BLIND
         if on_step:
             on_step(t, x, f, landing, y, f_new)
         # a step cut short by t_end or an event says nothing against the longer step that was tried before
@@ -209,6 +218,8 @@ def _inside(
             continue
         if (a > 0.0) != (m > 0.0):
             return 0.5 * h
+        if (m > FAR * a and m > FAR * b) if a > 0.0 else (m < FAR * a and m < FAR * b):
+            continue
         slope = 4.0 * m - 3.0 * a - b
         bend = 2.0 * (a + b) - 4.0 * m
         if not slope * a < 0.0 < bend * a:
