@@ -636,10 +636,12 @@ def test_values_prevail_over_those_of_cases() -> None:
 
 def test_variants_are_resolved_with_the_scene(fmus: Path) -> None:
     resolved = resolve(data(checks={"sdof": SDOF}), fmus)
-    estimate, one_way = resolved.variants
+    estimate, one_way, twin = resolved.variants
     assert (estimate.name, estimate.scene, estimate.coarse) == ("error estimate", None, True)
     assert one_way.name == "one-way run" and not one_way.coarse
     assert one_way.scene is not None and len(one_way.scene.connections) == 1 and one_way.scene.variants == ()
+    assert twin.name == "one-way twin" and twin.scene is not None and twin.nudged
+    assert twin.scene.connections == one_way.scene.connections
     assert resolve(data(coupling={"step": 0.1, "error_estimate": False}), fmus).variants == ()
     assert pickle.loads(pickle.dumps(resolved)) == resolved
 

@@ -90,6 +90,7 @@ def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
     cable = respond(tow.tow, omega, Excitation(heave=1.0)).displacement[1][0, 0]
     assert spring.value == pytest.approx(alone / abs(cable) - 1.0, rel=1e-9)
     assert spring.message.startswith("a body on a spring would not do in place of the cable: at 0.3 Hz the body of tow")
+    assert "heaves 1.206 m per metre" in spring.message
     assert f"spring EA/L     {spring.message}" in text_summary(result)
 
 
