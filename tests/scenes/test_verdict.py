@@ -233,7 +233,7 @@ def test_periods_of_a_motion(order: int, periods: int) -> None:
 def test_oscillator(ratio: float) -> None:
     """Against the steady response to a harmonic push, for light, critical and heavy damping."""
     t = np.arange(0.0, 2000.0, 0.05)
-    x = oscillator(t, np.sin(0.7 * t), 1.3, ratio)
+    x = oscillator(t, np.sin(0.7 * t), 1.0, 2.0 * ratio * 1.3, 1.3**2)
     size = 1.0 / abs(1.3**2 - 0.7**2 + 2j * ratio * 1.3 * 0.7)
     late = x[t > 1500.0]
     assert (late.max() - late.min()) / 2.0 == pytest.approx(size, rel=1e-3)

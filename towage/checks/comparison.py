@@ -17,10 +17,19 @@ from numpy.typing import NDArray
 
 from towage.checks.check import System
 from towage.checks.sdof_section import SdofCheck
-from towage.checks.signals import component, dominant_frequency, peak, repeats_after
+from towage.checks.signals import (
+    component,
+    dominant_frequency,
+    peak,
+    relative_change,
+    repeats_after,
+    share_of_nothing,
+)
 from towage.checks.statistics import deciding, statistics, word_of
 from towage.checks.track import Track
 from towage.models.heave import linear, sdof
+from towage.models.numeric.ops import FLOATS
+from towage.models.numeric.oscillator import exact_oscillation
 from towage.result.records import Comparison, Statistic, Word
 
 Array = NDArray[np.float64]
@@ -48,17 +57,14 @@ class Theory(NamedTuple):
 def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
     """Ship, line and body of the comparison, None if some constant is not known."""
     units = {unit.name: unit for unit in system.units}
-    ship = units[check.ship]
     line = units[check.tension.split(".")[0]]
     body = units[check.motion.split(".")[0]]
-    m1, natural, ratio, amplitude = (
-        ship.constant(n) for n in ("port_mass", "natural_frequency", "damping_ratio", "heave_amplitude")
-    )
+    ship, amplitude = ship_of(system, check), units[check.ship].constant("heave_amplitude")
     k2, m2, drag = line.constant("port_stiffness"), body.constant("virtual_mass"), body.constant("drag_factor")
     m2 = m2 or body.constant("port_mass")
-    if not (m1 and natural and amplitude and k2 and m2) or ratio is None or drag is None:
+    if not (ship and amplitude and k2 and m2) or drag is None:
         return None
-    return sdof.Pair(m1, 2.0 * ratio * natural * m1, natural**2 * m1, m2, k2, drag, amplitude)
+    return sdof.Pair(*ship, m2, k2, drag, amplitude)
 
 
 def theory(system: System, check: SdofCheck) -> Theory:
@@ -71,13 +77,12 @@ def theory(system: System, check: SdofCheck) -> Theory:
     return Theory(sdof.closed_form_of(known), eigenvector, sdof.frequency_shift(*masses))
 
 
-def dynamic_stiffness(system: System, check: SdofCheck, omega: float | None) -> complex | None:
-    """D1 = m1 (w0^2 - w^2 + 2 i zeta w0 w) of the unit that the cut connections end at, N/m, from what it reports."""
+def ship_of(system: System, check: SdofCheck) -> tuple[float, float, float] | None:
+    """(mass, kg; damping, N s/m; stiffness, N/m) of the unit that the cut connections end at, from what it reports of its
+    oscillator; None if that is not enough."""
     unit = next(unit for unit in system.units if unit.name == check.ship)
     mass, natural, ratio = (unit.constant(n) for n in ("port_mass", "natural_frequency", "damping_ratio"))
-    if omega is None or not mass or not natural or ratio is None:
-        return None
-    return mass * (natural * natural - omega * omega + 2j * ratio * natural * omega)
+    return (mass, 2.0 * ratio * natural * mass, natural**2 * mass) if mass and natural and ratio is not None else None
 
 
 def response(system: System, check: SdofCheck, omega: float | None, columns: Columns, time: Array) -> dict[str, Any] | None:
@@ -148,8 +153,8 @@ def compare(check: SdofCheck, runs: Runs, times: Array, system: System, chaotic:
     x2, x1 = runs.coupled[check.motion], runs.single[check.motion]
     T2, T1 = runs.coupled[check.tension], runs.single[check.tension]
     dynamic1, dynamic2 = peak(T1) - float(T1.mean()), peak(T2) - float(T2.mean())
-    amplitude = _change(peak(x1) + peak(-x1), peak(x2) + peak(-x2))
-    tension = _change(dynamic1, dynamic2)
+    amplitude = relative_change(peak(x1) + peak(-x1), peak(x2) + peak(-x2))
+    tension = relative_change(dynamic1, dynamic2)
     rms, tension_rms = _least_rms(check, runs)
     if max(dynamic1, dynamic2) <= AT_REST * max(abs(float(T1.mean())), abs(float(T2.mean()))):
         amplitude = tension = rms = tension_rms = 0.0
@@ -185,7 +190,7 @@ def _least_rms(check: SdofCheck, runs: Runs) -> tuple[float, float]:
             one = runs.one_way.at(name, time + shift * period)
             spread = float(one.std())
             difference = math.sqrt(float(np.mean((runs.coupled[name][: len(time)] - one) ** 2)))
-            pair.append(difference / spread if spread else _share_of_nothing(difference))
+            pair.append(difference / spread if spread else share_of_nothing(difference))
         differences.append((pair[0], pair[1]))
     return min(differences)
 
@@ -196,25 +201,22 @@ def _indicator(check: SdofCheck, runs: Runs, times: Array, system: System) -> fl
     and transients, makes by way of the ship, over those of the one-way motion. The ship is the linear one that it reports; the
     body follows it on a taut line with the equivalent damping of its motion. Where line and body do not tell enough, the
     ship's response over its own motion."""
-    stiffness = dynamic_stiffness(system, check, runs.omega)
-    if not runs.omega or not stiffness:
+    ship = ship_of(system, check)
+    if not runs.omega or not ship:
         return None
     driver = runs.single[check.driver]
     drive = abs(component(runs.time, driver, runs.omega))
-    restoring = abs(stiffness) * drive  # may underflow to zero
+    restoring = abs(sdof.dynamic_stiffness(*ship, runs.omega)) * drive  # may underflow to zero
     if not restoring:
         return None
     dominant = abs(component(runs.time, runs.single[check.reaction], runs.omega)) / restoring
-    unit = next(unit for unit in system.units if unit.name == check.ship)
-    mass, natural, ratio = (unit.constant(n) for n in ("port_mass", "natural_frequency", "damping_ratio"))
-    assert mass and natural and ratio is not None  # as the dynamic stiffness is known
-    moved = oscillator(times, runs.one_way.at(check.reaction, times) / mass, natural, ratio)
+    moved = oscillator(times, runs.one_way.at(check.reaction, times), *ship)
     reference = driver
     if known := pair(system, check):
         reference = runs.single[check.motion]
         size = abs(component(runs.time, reference, runs.omega))
-        damping = 0.5 * linear.equivalent_damping(known.drag, runs.omega, size) / (known.mass * known.cradle_frequency)
-        moved = oscillator(times, known.cradle_frequency**2 * moved, known.cradle_frequency, damping)
+        damping = linear.equivalent_damping(known.drag, runs.omega, size)
+        moved = oscillator(times, known.stiffness * moved, known.mass, damping, known.stiffness)
     moved = moved[times >= check.settle]
     swing, spread = peak(reference) + peak(-reference), float(reference.std())
     if not spread:
@@ -222,33 +224,20 @@ def _indicator(check: SdofCheck, runs: Runs, times: Array, system: System) -> fl
     return max(dominant, (peak(moved) + peak(-moved)) / swing, float(moved.std()) / spread)
 
 
-def oscillator(time: Array, push: Array, natural: float, ratio: float) -> Array:
-    """x of x" + 2 ratio natural x' + natural^2 x = ``push`` (m/s2), at rest at first, on equally spaced ``time`` (s); exact
-    for a push that is linear between the times. Two first-order modes z' = lambda z + push, x = (z1 - z2)/(lambda1 -
-    lambda2); critical damping is taken 1e-6 off, where the modes differ."""
-    h = time[1] - time[0]
-    root = cmath.sqrt(ratio * ratio - 1.0) or 1e-6
-    x = np.zeros(len(time), dtype=complex)
-    first, second = (natural * (-ratio + sign * root) for sign in (1.0, -1.0))
-    for eigenvalue, sign in ((first, 1.0), (second, -1.0)):
-        a = eigenvalue * h
-        e = cmath.exp(a)
-        late = h * (e - 1.0 - a) / a**2
-        early = h * (e - 1.0) / a - late
-        z, modes = 0j, [0j]
-        for force in (early * push[:-1] + late * push[1:]).tolist():
-            z = e * z + force
-            modes.append(z)
-        x += sign * np.array(modes)
-    moved: Array = (x / (first - second)).real
-    return moved
+def oscillator(time: Array, push: Array, mass: float, damping: float, stiffness: float) -> Array:
+    """x, m, of mass x" + damping x' + stiffness x = ``push`` (N), at rest at first, on equally spaced ``time`` (s); SI; exact
+    for a push that is linear between the times: the map of `exact_oscillation` over one interval, repeated."""
+    h = float(time[1] - time[0])
 
+    def after(x: float, rate: float, begin: float, end: float) -> tuple[float, float]:
+        reaction = (-begin, (begin - end) / h, 0.0, 0.0)
+        moved: tuple[float, float] = exact_oscillation(h, x, rate, reaction, mass, damping, stiffness, FLOATS)
+        return moved
 
-def _change(one: float, two: float) -> float:
-    """one / two - 1; infinite where only ``one`` is not zero."""
-    return one / two - 1.0 if two else _share_of_nothing(one)
-
-
-def _share_of_nothing(value: float) -> float:
-    """``value`` as a share of zero: infinite, but for zero itself."""
-    return math.inf if value else 0.0
+    (xx, vx), (xv, vv), (xb, vb), (xe, ve) = (after(*row) for row in np.eye(4).tolist())
+    x = v = 0.0
+    moved = [x]
+    for dx, dv in zip((xb * push[:-1] + xe * push[1:]).tolist(), (vb * push[:-1] + ve * push[1:]).tolist()):
+        x, v = xx * x + xv * v + dx, vx * x + vv * v + dv
+        moved.append(x)
+    return np.array(moved)

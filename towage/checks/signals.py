@@ -63,6 +63,16 @@ def repeats_after(time: Array, values: Array, omega: float | None, tolerance: fl
     return 0
 
 
+def relative_change(one: float, two: float) -> float:
+    """one / two - 1; infinite where only ``one`` is not zero."""
+    return one / two - 1.0 if two else share_of_nothing(one)
+
+
+def share_of_nothing(value: float) -> float:
+    """``value`` as a share of zero: infinite, but for zero itself."""
+    return math.inf if value else 0.0
+
+
 def peak(values: Array) -> float:
     """Largest value, refined by a parabola through the samples around it."""
     k = int(np.argmax(values))

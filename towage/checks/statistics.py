@@ -62,8 +62,10 @@ def _compared(measure: Callable[[Array], float], one: Array, two: Array, blocks:
     """The statistic from the whole runs where blocks are too few, else from these."""
     import numpy as np
 
+    from towage.checks.signals import relative_change
+
     whole = measure(one), measure(two)
-    error = whole[0] / whole[1] - 1.0 if whole[1] else math.inf if whole[0] else 0.0
+    error = relative_change(*whole)
     if blocks < FEWEST_BLOCKS:
         return Statistic(error, math.inf)
     pairs = [(measure(a), measure(b)) for a, b in zip(np.array_split(one, blocks), np.array_split(two, blocks))]
@@ -75,8 +77,10 @@ def _compared(measure: Callable[[Array], float], one: Array, two: Array, blocks:
 
 
 def student(freedom: int) -> float:
-    """97.5 % point of Student's distribution by the expansion of Cornish and Fisher, good to 1 % from 3 degrees on."""
-    return 1.96 + 2.372 / freedom + 2.823 / freedom**2 + 2.56 / freedom**3
+    """97.5 % point of Student's distribution."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.975))
 
 
 def word_of(statistic: Statistic, tolerance: float) -> Word:
