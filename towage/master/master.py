@@ -172,7 +172,8 @@ class OtherRuns:
                 system.close()
         except RunError as error:
             return error
-        return OtherRun(recorder.columns(), recorder.track())
+        track = recorder.track()
+        return OtherRun(recorder.columns(track), track)
 
 
 def _weight(variant: ResolvedVariant) -> float:
@@ -218,7 +219,8 @@ def _coupled_run(
         run = getattr(error, "run", Run())
     finally:
         recorder.close()
-    result.time, columns = recorder.columns()
+    track = recorder.track()
+    result.time, columns = recorder.columns(track)
     _keep(result, resolved, columns)
     result.events = run.events
     result.step_sizes = np.array(run.steps)
@@ -231,7 +233,7 @@ def _coupled_run(
         "cpu_s": run.cpu,
         "real_time_factor": run.time / run.wall if run.wall else math.nan,
     }
-    return columns, recorder.track()
+    return columns, track
 
 
 def _judge(run: Finished) -> None:

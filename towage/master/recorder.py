@@ -61,15 +61,17 @@ class Recorder:
             self._file.close()
             self._file = None
 
-    def columns(self) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
-        """(times, columns by name) of the rows that the scene records."""
-        time, columns = _columns(np.array(self.data), self.names)
-        kept = np.array(self.recorded, dtype=bool)
-        return time[kept], {name: values[kept] for name, values in columns.items()}
-
     def track(self) -> Track:
         """All rows."""
         return Track(*_columns(np.array(self.data), self.names))
+
+    def columns(self, track: Track | None = None) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+        """(times, columns by name) of the rows that the scene records, out of ``track``, which is `track()`."""
+        time, columns = track or self.track()
+        kept = np.array(self.recorded, dtype=bool)
+        if kept.all():
+            return time, dict(columns)
+        return time[kept], {name: values[kept] for name, values in columns.items()}
 
 
 def read_journal(path: Path) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
