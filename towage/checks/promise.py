@@ -1,9 +1,9 @@
 """What can be promised before a run: the worst error of the single-degree-of-freedom model over frequency.
 
 eps* <= 0.9 e promises an error below e where drag is small and the line soft (B <= 1, K2/K1 <= 1) and the line stays taut:
-beyond, random pairs that pass it err by up to 518 %. So the describing function is solved at every frequency
-(`towage.models.heave.sdof.worst`), and nothing is promised outside that range, or where the dynamic tension of either run
-reaches the static one at some frequency.
+beyond, pairs that pass it may err by much more (``tests/scenes/verdict/epsstar.toml``: tension 34 %). So the describing
+function is solved at every frequency (`towage.models.heave.sdof.worst`), and nothing is promised outside that range, or
+where the dynamic tension of either run reaches the static one at some frequency.
 """
 
 from __future__ import annotations
