@@ -7,4 +7,7 @@ UNIT = Unit.of(
     BODY_FORCE,
     start={"drag_amplitude": 200.0, "lift_amplitude": 400.0, "ramp_time": 4.0},
     inputs={"offset_lift": (50.0, 0.9)},
+    terminals={
+        "body": {"drag_change": "drag_change", "lift_change": "lift_change"},
+    },
 )

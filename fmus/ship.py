@@ -7,4 +7,7 @@ UNIT = Unit.of(
     SHIP,
     start={"mass": 8e5, "damping": 1e5, "stiffness": 2e6, "ramp_time": 4.0},
     inputs={"reaction": (5.0e4, 0.9)},
+    terminals={
+        "line": {"force": "reaction", "displacement": "heave"},
+    },
 )

@@ -88,7 +88,12 @@ def scene_unit(name: str, description: str, parts: Sequence[Part], connections: 
         observed=(*(v for part in parts for v in part.observed()), *clock),
         states=tuple(v for part in parts for v in part.states(models[part.name])),
         depends=_dependencies(parts, connections),
-    )
+        terminals={
+            f"{part.name}.{terminal}": {member: part.full_name(variable) for member, variable in members.items()}
+            for part in parts for terminal, members in part.unit.terminals.items()
+            if not any((part.name, variable) in connected for variable in members.values())
+        },
+    )  # fmt: skip
 
 
 def _dependencies(parts: Sequence[Part], connections: Sequence[Connection]) -> dict[str, tuple[str, ...]]:

@@ -68,7 +68,8 @@ class Unit:
     ``observed`` are outputs, locals and their rates in the order of the model's ``Outputs``; ``states`` the continuous states
     that none of them shows. ``start`` and ``reference_inputs`` (amplitude and angular frequency of a sine) are a short run
     from which the packaged reference result is made. ``depends``: the inputs that act on each output without delay, None: as
-    `dependencies` finds them.
+    `dependencies` finds them. ``terminals``: the places where the unit is joined to another; the variables of each by what
+    they are there (`force`, `displacement`, `velocity_surge`), which has one name on both sides.
     """
 
     name: str
@@ -82,18 +83,20 @@ class Unit:
     start: Mapping[str, float] = field(default_factory=dict)
     reference_inputs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     depends: Mapping[str, tuple[str, ...]] | None = None
+    terminals: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @classmethod
     def of(
         cls, model: AnyModel, *,
         start: Mapping[str, float] | None = None, inputs: Mapping[str, tuple[float, float]] | None = None,
+        terminals: Mapping[str, Mapping[str, str]] | None = None,
     ) -> Unit:  # fmt: skip
         """The unit of ``model`` with its reference run. Raises ``TypeError`` for a variable without a record."""
         states = tuple(kind for kind in (model.State, model.linear and model.linear.Own) if kind)
         return cls(
             model.name, model.description, model, _all(model.Parameters), _all(model.Calculated), _all(model.Inputs),
             _all(model.Outputs), tuple(named(n, q) for kind in states for n, q in quantities(kind).items()),
-            start or {}, inputs or {},
+            start or {}, inputs or {}, terminals=terminals or {},
         )  # fmt: skip
 
     @property

@@ -4,6 +4,7 @@ exchange too."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from importlib import metadata
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ..declare.interface import Interface
@@ -11,6 +12,7 @@ from ..declare.quantities import unit_definition
 from ..declare.unit import Unit, Variable
 
 GENERATION_TOOL = "towage"
+AUTHORS = "The towage developers"
 LOG_CATEGORIES = {
     "logStatusDiscard": "Steps that could not be computed",
     "logStatusError": "Calls that were refused",
@@ -59,8 +61,12 @@ def native_model_description(interface: Interface, identifier: str, guid: str, s
 
 def root_element(unit: Unit, version: str, **token: str) -> Element:
     """What both versions of FMI begin with. ``token``: guid or instantiationToken."""
-    attributes = {"fmiVersion": version, "modelName": unit.name, **token, "description": unit.description, "license": "MIT",
-                  "generationTool": GENERATION_TOOL, "variableNamingConvention": "structured"}  # fmt: skip
+    release = metadata.version("towage")
+    attributes = {
+        "fmiVersion": version, "modelName": unit.name, **token, "description": unit.description,
+        "author": AUTHORS, "version": release, "copyright": f"Copyright (c) 2026 {AUTHORS}", "license": "MIT",
+        "generationTool": f"{GENERATION_TOOL} {release}", "variableNamingConvention": "structured",
+    }  # fmt: skip
     return Element("fmiModelDescription", attributes)
 
 

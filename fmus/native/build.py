@@ -17,11 +17,12 @@ import casadi as ca
 
 from ..declare.unit import Unit, load
 from ..describe import archive as archive_writer
-from ..describe.documentation import documentation_page
 from ..describe.fmi2 import document, native_model_description
 from ..describe.fmi3 import model_description3
+from ..describe.members import Reference, native_notice
+from ..describe.members import members as other_members
 from ..python.build import FOLDERS, NAMESPACE
-from ..python.reference import reference_result
+from ..python.reference import reference_run
 from ..python.values import CallError
 from . import compiler
 from .constants import constants_header
@@ -42,8 +43,8 @@ def runtime_sources(fmi: int) -> dict[str, bytes]:
     return {file.name: file.read_bytes() for file in files} | made
 
 
-def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
-    """The members of the archive but for its libraries. ``reference`` is the reference result, empty where there is none."""
+def contents(traced: Traced, fmi: int, reference: Reference | None) -> dict[str, bytes]:
+    """The members of the archive but for its libraries. ``reference`` is the reference run, None where there is none."""
     interface = traced.interface
     name = interface.unit.name
     sources = runtime_sources(fmi) | {"model.c": model_source(traced.functions).encode()}
@@ -57,12 +58,7 @@ def contents(traced: Traced, fmi: int, reference: str) -> dict[str, bytes]:
         else:
             archive["modelDescription.xml"] = model_description3(interface, name, token)
             archive["sources/buildDescription.xml"] = build_description(name, files)
-        archive["documentation/index.html"] = documentation_page(
-            interface.as_built, interface.variables, bool(reference)
-        ).encode()
-        if reference:
-            archive[f"documentation/{name}_ref.csv"] = reference.encode()
-        return archive
+        return archive | other_members(interface.as_built, interface.variables, fmi, reference, native_notice(fmi))
 
     digest = hashlib.sha256(" ".join(compiler.FLAGS).encode())
     for member, text in sorted(members("").items()):
@@ -108,7 +104,7 @@ def digest_of_sources(
     parts = [name, fmi, *platforms, sorted(structure.items()), compiler.FLAGS, ca.CasadiMeta.version()]
     for folder in FOLDERS.values():
         for file in sorted(folder.rglob("*.*")):
-            if file.suffix in (".py", ".c", ".h"):
+            if file.suffix in (".py", ".c", ".h", ".svg", ".png"):
                 parts.append((file.relative_to(folder).as_posix(), _digest(file.read_bytes())))
     return _digest(repr(parts).encode())
 
@@ -123,13 +119,13 @@ def build_unit(
     """As `build`, of a unit that has no module of its own, such as a scene."""
     traced = trace(unit, structure)
     try:
-        reference = reference_result(traced.interface.as_built)
+        reference: Reference | None = reference_run(traced.interface.as_built)
     except CallError:  # a cable that stretches, without its stiffness
-        reference = ""
+        reference = None
     return package(traced, reference, directory, fmi, platforms)
 
 
-def package(traced: Traced, reference: str, directory: Path, fmi: int, platforms: str) -> tuple[Path, bool]:
+def package(traced: Traced, reference: Reference | None, directory: Path, fmi: int, platforms: str) -> tuple[Path, bool]:
     """Compile and write what was traced; as `build`."""
     name = traced.interface.unit.name
     targets = compiler.chosen(platforms)

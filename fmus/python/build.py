@@ -19,15 +19,16 @@ from pathlib import Path
 
 from ..declare.unit import BuildError, Unit, load
 from ..describe import archive as archive_writer
-from ..describe.documentation import documentation_page
 from ..describe.fmi2 import model_description
-from .reference import reference_result
+from ..describe.members import members as other_members
+from ..describe.members import python_notice
+from .reference import reference_run
 
 FOLDERS = {"fmus": Path(__file__).resolve().parents[1], "models": Path(__file__).resolve().parents[2] / "models"}
 TOWAGE = (__package__ or "").partition(".")[0]
 """The package that holds ``fmus`` and ``models``, by which other packages import from them."""
 OPTIONS = {
-    "needsExecutionTool": "false",
+    "needsExecutionTool": "true",
     "canHandleVariableCommunicationStepSize": "true",
     "canInterpolateInputs": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
@@ -153,8 +154,7 @@ def contents(unit: Unit, place: str = "") -> dict[str, bytes]:
     members = {f"resources/{package}/{name}": _made_private(text, package, own) for name, text in modules.items()}
     members[f"resources/{package}_fmu.py"] = script.encode()
     members["resources/slavemodule.txt"] = f"{package}_fmu\n".encode()
-    members["documentation/index.html"] = documentation_page(unit).encode()
-    members[f"documentation/{unit.name}_ref.csv"] = reference_result(unit).encode()
+    members |= other_members(unit, unit.variables, 2, reference_run(unit), python_notice())
     members |= _binaries(unit.name)
     for name in sorted(members):
         digest.update(name.encode() + b"\0" + members[name] + b"\0")

@@ -1,18 +1,20 @@
-"""The reference result that an FMU carries: a short run of the unit, as the unit itself computes it."""
+"""The reference run that an FMU carries: a short run of the unit, as the unit itself computes it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-from ..declare.unit import Unit
+from ..declare.unit import INPUT_ORDERS, Unit
 from ..describe.documentation import REFERENCE_STEP
+from ..describe.members import Reference
 from .instance import Instance
 
 REFERENCE_STEPS = 100
 
 
-def reference_result(unit: Unit) -> str:
-    """CSV of the reference run, as the unit itself computes it."""
+def reference_run(unit: Unit) -> Reference:
+    """Inputs are sines, set with their three derivatives before each step."""
     instance = Instance(unit)
     instance.set_values([unit.index[k] for k in unit.start], list(unit.start.values()))
     instance.set_up(0.0, None)
@@ -20,17 +22,22 @@ def reference_result(unit: Unit) -> str:
     instance.exit_initialization()
     references, signals = [], []
     for name, (amplitude, omega) in unit.reference_inputs.items():
-        references += [unit.index[name]] + [unit.index[f"{name}_d{k}"] for k in (1, 2, 3)]
+        references += [unit.index[name]] + [unit.index[f"{name}_d{k}"] for k in INPUT_ORDERS]
         signals.append((amplitude, omega))
-    inputs = references[::4]
     outputs = [i for i, v in enumerate(unit.variables) if v.causality == "output"]
-    lines = ["time," + ",".join(unit.variables[i].name for i in inputs + outputs)]
+    given, found = ([",".join(["time", *(unit.variables[i].name for i in part)])] for part in (references, outputs))
     for k in range(REFERENCE_STEPS + 1):
         t = k * REFERENCE_STEP
-        instance.set_values(references, [value for a, w in signals for value in _sine(a, w, t)])
-        lines.append(",".join(f"{value!r}" for value in [t, *instance.get_values(inputs + outputs)]))
+        values = [value for a, w in signals for value in _sine(a, w, t)]
+        instance.set_values(references, values)
+        given.append(_row(t, values))
+        found.append(_row(t, instance.get_values(outputs)))
         instance.do_step(t, REFERENCE_STEP)
-    return "\n".join(lines) + "\n"
+    return Reference("\n".join(given) + "\n", "\n".join(found) + "\n", REFERENCE_STEP, REFERENCE_STEPS)
+
+
+def _row(t: float, values: Iterable[float]) -> str:
+    return ",".join(f"{value!r}" for value in (t, *values))
 
 
 def _sine(amplitude: float, omega: float, t: float) -> list[float]:

@@ -225,4 +225,4 @@ def test_a_build_whose_start_values_are_refused_has_no_reference_result(tmp_path
     assert written
     with zipfile.ZipFile(path) as archive:
         assert "documentation/tow_system_ref.csv" not in archive.namelist()
-        assert "no reference result" in archive.read("documentation/index.html").decode()
+        assert "no reference run" in archive.read("documentation/index.html").decode()

@@ -27,6 +27,8 @@ NAMESPACES = {
     "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
 }
+PARAMETER_SET = "parameters"
+"""Name of the parameter set of every unit: a host that selects sets by name (Ecos) takes those of one name."""
 ANNOTATION = "com.opensimulationplatform"
 Units = dict[str, UnitDefinition]
 
@@ -107,7 +109,7 @@ def _connectors(component: Element, unit: ResolvedUnit, units: Units) -> None:
 
 def _parameter_set(unit: ResolvedUnit) -> bytes:
     """The .ssv document of the values that the scene gives to a unit."""
-    root = _root("ssv:ParameterSet", ("ssv", "ssc"), unit.name)
+    root = _root("ssv:ParameterSet", ("ssv", "ssc"), PARAMETER_SET)
     parameters = SubElement(root, "ssv:Parameters")
     variables, units = unit.description.by_name(), Units()
     for name, value in unit.parameters.items():
