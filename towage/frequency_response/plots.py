@@ -8,41 +8,40 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
 from towage.report.svg import save_figure
 
 if TYPE_CHECKING:
     from towage.checks.towing import Gain, SceneTow
+    from towage.models.cable.steady.perturbation import Excitation
 
 
-def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
-    """Magnitude (N, m) and phase (rad) of tensions and body motion over frequency, Hz; written to ``path``."""
+def response_plot(path: Path, name: str, per: str, rows: list[Gain]) -> None:
+    """Magnitude (N, m) and phase (rad) of tensions and body motion over frequency, Hz, of the tow ``name`` for ``per``;
+    written to ``path``."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     hertz = [g.omega / (2.0 * math.pi) for g in rows]
     axes = figure.subplots(2, 2, sharex=True)
-    unit = "m of heave" if tow.tow.quadrant == 1 else "N of lift"
     groups = (("tension_top", "tension_body"), ("body_heave", "body_surge"))
-    for column, (names, label) in enumerate(zip(groups, ("N", "m"))):
-        for name in names:
-            values = np.array([getattr(g, name) for g in rows])
-            axes[0, column].loglog(hertz, np.abs(values), label=name.replace("_", " "))
+    for column, (signals, label) in enumerate(zip(groups, ("N", "m"))):
+        for signal in signals:
+            values = np.array([getattr(g, signal) for g in rows])
+            axes[0, column].loglog(hertz, np.abs(values), label=signal.replace("_", " "))
             axes[1, column].semilogx(hertz, np.angle(values))
-        axes[0, column].set_ylabel(f"{label} per {unit}")
+        axes[0, column].set_ylabel(label)
         axes[1, column].set(xlabel="frequency, Hz", ylabel="phase, rad")
         axes[0, column].legend()
-    figure.suptitle(f"{tow.name}: response of the tow")
+    figure.suptitle(f"{name}: response to {per}")
     save_figure(figure, path)
 
 
-def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
+def cable_plot(path: Path, tow: SceneTow, omega: float, excitation: Excitation) -> None:
     """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s; written
     to ``path``."""
     from matplotlib.figure import Figure
 
-    excitation = Excitation(heave=1.0) if tow.tow.quadrant == 1 else Excitation(lift=1.0)
     r = respond(tow.tow, omega, excitation)
     edges, p = r.steady.edges, r.angle.shape[1] - 1
     nodes = -np.cos(np.pi * np.arange(p + 1) / p)
