@@ -1,4 +1,4 @@
-"""Plots of a tow: magnitude and phase over frequency, along the cable, and the steady shape. SVG."""
+"""Plots of a tow: magnitude and phase over frequency, along the cable, and the steady shape; of a lift over frequency. SVG."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from towage.report.svg import save_figure
 
 if TYPE_CHECKING:
     from towage.checks.towing import Gain, SceneTow
+    from towage.frequency_response.lift import LiftResponse
     from towage.models.cable.steady.perturbation import Excitation
 
 
@@ -60,4 +61,28 @@ def cable_plot(path: Path, tow: SceneTow, omega: float, excitation: Excitation) 
         axis.set(xlabel="distance from the body, m", ylabel=name)
         axis.legend()
     figure.suptitle(f"{tow.name} at {omega / (2.0 * math.pi):.4g} Hz")
+    save_figure(figure, path)
+
+
+def lift_plot(path: Path, response: LiftResponse) -> None:
+    """Heave, lag, tension and slack of a lift over frequency, both branches, and the limits; written to ``path``."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    axes = figure.subplots(2, 2, sharex=True)
+    panels = (
+        ("transmissibility", "heave of the cradle over the ship's", 1.0), ("lag", "lag, rad", 1.0),
+        ("tension_max", "largest tension, kN", 1e-3), ("slack_fraction", "slack, % of the time", 100.0),
+    )  # fmt: skip
+    for axis, (name, label, factor) in zip(axes.ravel(), panels):
+        for branch, style in (("up", "o-"), ("down", "x--")):
+            points = [p for p in response.points if p.branch == branch]
+            if points:
+                values = [factor * getattr(p, name) for p in points]
+                axis.plot([p.frequency_hz for p in points], values, style, markersize=3, label=f"followed {branch}")
+        axis.set_ylabel(label)
+    for axis in axes[1]:
+        axis.set_xlabel("frequency, Hz")
+    axes[0, 0].legend()
+    figure.suptitle(f"lift: response to {response.amplitude:.4g} m of heave of the ship")
     save_figure(figure, path)

@@ -9,6 +9,8 @@ Source: the small-perturbation report on towed cables (programs OMWAY and OMFLO)
 from __future__ import annotations
 
 import cmath
+import csv
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -109,11 +111,14 @@ class Response:
         return over_frequency, along_cable
 
 
-def save_rows(path: Path, table: Sequence[Mapping[str, float | None]]) -> None:
+def save_rows(path: Path, table: Sequence[Mapping[str, Any]]) -> None:
     """Rows of the same names as CSV, empty where a value is None. Raises `TowageError` where it cannot be written."""
-    lines = [",".join(table[0])] + [",".join("" if v is None else repr(v) for v in row.values()) for row in table]
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(table[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
     with atomic_write(path) as stream:
-        stream.write(("\n".join(lines) + "\n").encode())
+        stream.write(text.getvalue().encode())
 
 
 def response(
@@ -153,6 +158,6 @@ def response(
     except ValueError as error:
         raise SceneError(str(error), file=chosen.file, key="units") from error
     if not answers:
-        expected = "expected a unit tow_system, tow_cable or tow_cable_nonlinear"
-        raise SceneError(f"no tow: {expected}", file=chosen.file, key="units")
+        expected = "expected a unit tow_system, tow_cable or tow_cable_nonlinear, or a ship with a cradle on a line"
+        raise SceneError(f"no tow and no lift: {expected}", file=chosen.file, key="units")
     return answers
