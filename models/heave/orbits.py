@@ -145,7 +145,7 @@ def lyapunov(system: System, x: Vector, periods: int) -> float:
 
 
 def attractors(
-    system: System, initial_states: Sequence[Vector], *, max_period: int = 8, limit: int = 400
+    system: System, initial_states: Sequence[Vector], *, max_period: int = 16, limit: int = 400
 ) -> tuple[tuple[Orbit, ...], tuple[Aperiodic, ...]]:
     """(distinct stable orbits, motions without one) reached from ``initial_states``, each followed for up to
     ``limit`` forcing periods and taken for an orbit of at most ``max_period`` of them."""

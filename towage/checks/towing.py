@@ -98,10 +98,10 @@ class Gain:
     spring: float | None
 
 
-def gains(tow: Tow, omegas: list[float]) -> list[Gain]:
-    """Gains over frequency, rad/s, on one mesh."""
+def gains(tow: Tow, omegas: list[float], excitation: Excitation | None = None) -> list[Gain]:
+    """Gains over frequency, rad/s, on one mesh; ``excitation``: another than that of a `Gain`."""
     state = mesh(tow, max(omegas))
-    excitation = Excitation(heave=1.0) if tow.quadrant == 1 else Excitation(lift=1.0)
+    excitation = excitation or (Excitation(heave=1.0) if tow.quadrant == 1 else Excitation(lift=1.0))
     gains = []
     for omega in omegas:
         r = responses(tow, omega, [excitation], state)[0]

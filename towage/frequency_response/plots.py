@@ -1,4 +1,4 @@
-"""Plots of a tow: magnitude and phase over frequency, along the cable, and the steady shape. SVG."""
+"""Plots of a tow: magnitude and phase over frequency, along the cable, and the steady shape; of a lift over frequency. SVG."""
 
 from __future__ import annotations
 
@@ -8,41 +8,41 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
 from towage.report.svg import save_figure
 
 if TYPE_CHECKING:
     from towage.checks.towing import Gain, SceneTow
+    from towage.frequency_response.lift import LiftResponse
+    from towage.models.cable.steady.perturbation import Excitation
 
 
-def response_plot(path: Path, tow: SceneTow, rows: list[Gain]) -> None:
-    """Magnitude (N, m) and phase (rad) of tensions and body motion over frequency, Hz; written to ``path``."""
+def response_plot(path: Path, name: str, per: str, rows: list[Gain]) -> None:
+    """Magnitude (N, m) and phase (rad) of tensions and body motion over frequency, Hz, of the tow ``name`` for ``per``;
+    written to ``path``."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     hertz = [g.omega / (2.0 * math.pi) for g in rows]
     axes = figure.subplots(2, 2, sharex=True)
-    unit = "m of heave" if tow.tow.quadrant == 1 else "N of lift"
     groups = (("tension_top", "tension_body"), ("body_heave", "body_surge"))
-    for column, (names, label) in enumerate(zip(groups, ("N", "m"))):
-        for name in names:
-            values = np.array([getattr(g, name) for g in rows])
-            axes[0, column].loglog(hertz, np.abs(values), label=name.replace("_", " "))
+    for column, (signals, label) in enumerate(zip(groups, ("N", "m"))):
+        for signal in signals:
+            values = np.array([getattr(g, signal) for g in rows])
+            axes[0, column].loglog(hertz, np.abs(values), label=signal.replace("_", " "))
             axes[1, column].semilogx(hertz, np.angle(values))
-        axes[0, column].set_ylabel(f"{label} per {unit}")
+        axes[0, column].set_ylabel(label)
         axes[1, column].set(xlabel="frequency, Hz", ylabel="phase, rad")
         axes[0, column].legend()
-    figure.suptitle(f"{tow.name}: response of the tow")
+    figure.suptitle(f"{name}: response to {per}")
     save_figure(figure, path)
 
 
-def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
+def cable_plot(path: Path, tow: SceneTow, omega: float, excitation: Excitation) -> None:
     """Steady shape, and magnitude and phase of tension and angle along the cable at ``omega``, rad/s; written
     to ``path``."""
     from matplotlib.figure import Figure
 
-    excitation = Excitation(heave=1.0) if tow.tow.quadrant == 1 else Excitation(lift=1.0)
     r = respond(tow.tow, omega, excitation)
     edges, p = r.steady.edges, r.angle.shape[1] - 1
     nodes = -np.cos(np.pi * np.arange(p + 1) / p)
@@ -61,4 +61,28 @@ def cable_plot(path: Path, tow: SceneTow, omega: float) -> None:
         axis.set(xlabel="distance from the body, m", ylabel=name)
         axis.legend()
     figure.suptitle(f"{tow.name} at {omega / (2.0 * math.pi):.4g} Hz")
+    save_figure(figure, path)
+
+
+def lift_plot(path: Path, response: LiftResponse) -> None:
+    """Heave, lag, tension and slack of a lift over frequency, both branches, and the limits; written to ``path``."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    axes = figure.subplots(2, 2, sharex=True)
+    panels = (
+        ("transmissibility", "heave of the cradle over the ship's", 1.0), ("lag", "lag, rad", 1.0),
+        ("tension_max", "largest tension, kN", 1e-3), ("slack_fraction", "slack, % of the time", 100.0),
+    )  # fmt: skip
+    for axis, (name, label, factor) in zip(axes.ravel(), panels):
+        for branch, style in (("up", "o-"), ("down", "x--")):
+            points = [p for p in response.points if p.branch == branch]
+            if points:
+                values = [factor * getattr(p, name) for p in points]
+                axis.plot([p.frequency_hz for p in points], values, style, markersize=3, label=f"followed {branch}")
+        axis.set_ylabel(label)
+    for axis in axes[1]:
+        axis.set_xlabel("frequency, Hz")
+    axes[0, 0].legend()
+    figure.suptitle(f"lift: response to {response.amplitude:.4g} m of heave of the ship")
     save_figure(figure, path)

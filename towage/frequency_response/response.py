@@ -1,4 +1,4 @@
-"""The response of a scene's tows to heave of the towpoint, or to lift on the body, over frequency.
+"""The response of a scene's tows to motion of the towpoint, or to forces on the body, over frequency.
 
 Linear theory of the cable (`models.cable.steady`): complex amplitudes q of Re(q exp(-i omega t)), so that a phase is the
 lag of a cosine, q = |q| cos(omega t - phase).
@@ -9,6 +9,8 @@ Source: the small-perturbation report on towed cables (programs OMWAY and OMFLO)
 from __future__ import annotations
 
 import cmath
+import csv
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,6 +23,9 @@ from numpy.typing import ArrayLike
 from towage.checks.towing import Gain, SceneTow, gains, spring_check, tolerance_of, tows
 from towage.errors import SceneError
 from towage.files import atomic_write
+from towage.frequency_response.along import STATIONS, Row, along
+from towage.frequency_response.excitation import excitation_of, in_words
+from towage.models.cable.steady.perturbation import Excitation
 from towage.result.records import Finding
 from towage.scene.resolve import described
 from towage.scene.scene import Scene
@@ -35,14 +40,14 @@ LOWEST, HIGHEST, POINTS = 0.02, 1.0, 40
 
 @dataclass(frozen=True)
 class Response:
-    """The response of one tow. ``gains``: one for each angular frequency, rad/s, per metre of heave of the towpoint in
-    Quadrant I (the body hangs below the ship), per newton of lift on the body in Quadrant II. ``spring``: whether one
+    """The response of one tow to ``excitation``. ``gains``: one for each angular frequency, rad/s. ``spring``: whether one
     degree of freedom on a spring EA/L stands for this tow at the frequency of the ship's heave; None without a ship or a
     known EA."""
 
     tow: SceneTow
     gains: tuple[Gain, ...]
     spring: Finding | None
+    excitation: Excitation
 
     @property
     def name(self) -> str:
@@ -51,8 +56,8 @@ class Response:
 
     @property
     def per(self) -> str:
-        """What the amplitudes are per."""
-        return "m of heave of the towpoint" if self.tow.tow.quadrant == 1 else "N of lift on the body"
+        """What the amplitudes are for: "1 m of heave of the towpoint"."""
+        return in_words(self.excitation)
 
     def rows(self) -> list[dict[str, float | None]]:
         """A row a frequency: ``frequency_hz``; magnitude (N or m) and ``_phase`` (rad) of the tensions at the top and at
@@ -72,7 +77,7 @@ class Response:
         """A table for a terminal, of about ``most`` of the frequencies."""
         tow = self.tow.tow
         lines = [
-            f"{self.name}: Quadrant {'I' * tow.quadrant}, {tow.cable.length:.4g} m at {tow.speed:.4g} m/s; per {self.per}",
+            f"{self.name}: Quadrant {'I' * tow.quadrant}, {tow.cable.length:.4g} m at {tow.speed:.4g} m/s; for {self.per}",
             "      Hz    top tension, N, rad   body tension, N, rad     body heave, m, rad     body surge, m, rad    spring",
         ]
         for gain in self.gains[:: max(1, len(self.gains) // most)]:
@@ -82,23 +87,38 @@ class Response:
             lines.append(f"{gain.omega / (2.0 * math.pi):8.4g}{cells}{spring}")
         return "\n".join(lines)
 
+    def along(self, hertz: float | None = None, stations: int = STATIONS) -> list[Row]:
+        """Steady state and amplitudes along the cable (`along.along`) at ``hertz``, by default the frequency of the ship's
+        heave, or the middle of the range without a ship."""
+        return along(self.tow.tow, self._omega if hertz is None else 2.0 * math.pi * hertz, self.excitation, stations)
+
+    @property
+    def _omega(self) -> float:
+        return self.tow.drive[1] if self.tow.drive else self.gains[len(self.gains) // 2].omega
+
     def save_csv(self, path: Path) -> None:
         """`rows` as CSV, empty where a value is None. Raises `TowageError` where it cannot be written."""
-        table = self.rows()
-        lines = [",".join(table[0])] + [",".join("" if v is None else repr(v) for v in row.values()) for row in table]
-        with atomic_write(path) as stream:
-            stream.write(("\n".join(lines) + "\n").encode())
+        save_rows(path, self.rows())
 
     def save_plots(self, directory: Path) -> tuple[Path, Path]:
         """Writes ``<unit>_response.svg``, magnitude and phase over frequency, and ``<unit>_cable.svg``, steady shape and
-        motion along the cable at the frequency of the ship's heave, or in the middle of the range without a ship."""
+        motion along the cable at the frequency that `along` takes."""
         from towage.frequency_response.plots import cable_plot, response_plot
 
         over_frequency, along_cable = (directory / f"{self.name}_{kind}.svg" for kind in ("response", "cable"))
-        response_plot(over_frequency, self.tow, list(self.gains))
-        omega = self.tow.drive[1] if self.tow.drive else self.gains[len(self.gains) // 2].omega
-        cable_plot(along_cable, self.tow, omega)
+        response_plot(over_frequency, self.name, self.per, list(self.gains))
+        cable_plot(along_cable, self.tow, self._omega, self.excitation)
         return over_frequency, along_cable
+
+
+def save_rows(path: Path, table: Sequence[Mapping[str, Any]]) -> None:
+    """Rows of the same names as CSV, empty where a value is None. Raises `TowageError` where it cannot be written."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(table[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
+    with atomic_write(path) as stream:
+        stream.write(text.getvalue().encode())
 
 
 def response(
@@ -107,6 +127,7 @@ def response(
     *,
     set: Mapping[str, Any] | None = None,
     frequencies: ArrayLike | None = None,
+    excitation: Mapping[str, float | complex | str] | None = None,
     fmus: str | Path | None = None,
 ) -> list[Response]:
     """The frequency response of every tow of a scene: what ``towage response`` does.
@@ -115,9 +136,12 @@ def response(
         tow.rows()[0]["tension_top"]
 
     ``scene``, ``case``, ``set`` and ``fmus`` as in `towage.run`, but the scene as it stands if it has cases and none is
-    named. ``frequencies``: Hz, above 0, by default 40 from 0.02 to 1. Nothing is written.
+    named. ``frequencies``: Hz, above 0, by default 40 from 0.02 to 1. ``excitation``: amplitudes by name, of ``surge`` and
+    ``heave`` of the towpoint, m, or ``drag`` and ``lift`` on the body, N: numbers, complex ones of Re(q exp(-i omega t)), or
+    texts such as "2 ft @ 40 deg"; by default 1 m of heave in Quadrant I, 1 N of lift in Quadrant II. Nothing is written.
 
-    Raises `SceneError` where the scene has no tow, or one that the theory of the steady cable refuses.
+    Raises `SceneError` where the scene has no tow, one that the theory of the steady cable refuses, or one that cannot be
+    driven so.
     """
     chosen = select(scene, case, set)
     hertz = np.geomspace(LOWEST, HIGHEST, POINTS) if frequencies is None else np.atleast_1d(np.asarray(frequencies, float))
@@ -127,10 +151,13 @@ def response(
     try:
         found = tows(described(chosen, locator(Path(fmus) if fmus else None), open_ends=True))
         limit = tolerance_of(chosen)
-        answers = [Response(tow, tuple(gains(tow.tow, list(omegas))), spring_check(tow, limit)) for tow in found]
+        answers = []
+        for tow in found:
+            drive = excitation_of(excitation or {}, tow.tow.quadrant)
+            answers.append(Response(tow, tuple(gains(tow.tow, list(omegas), drive)), spring_check(tow, limit), drive))
     except ValueError as error:
         raise SceneError(str(error), file=chosen.file, key="units") from error
     if not answers:
-        expected = "expected a unit tow_system, tow_cable or tow_cable_nonlinear"
-        raise SceneError(f"no tow: {expected}", file=chosen.file, key="units")
+        expected = "expected a unit tow_system, tow_cable or tow_cable_nonlinear, or a ship with a cradle on a line"
+        raise SceneError(f"no tow and no lift: {expected}", file=chosen.file, key="units")
     return answers

@@ -74,11 +74,15 @@ class Steady:
         """T0 at the nodes, N."""
         return np.exp(self.log_tension)
 
-    def at(self, distance: float) -> tuple[float, float, float, float]:
-        """(phi0, rad; T0, N; x0, y0, m) at a distance from the body, m, 0 to L."""
+    def place(self, distance: float) -> tuple[int, Array]:
+        """The element at a distance from the body, m, 0 to L, and the row that takes its node values to the value there."""
         k = min(max(int(np.searchsorted(self.edges, distance, side="right")) - 1, 0), len(self.edges) - 2)
         left, right = self.edges[k], self.edges[k + 1]
-        row = interpolation(2.0 * (distance - left) / (right - left) - 1.0)
+        return k, interpolation(2.0 * (distance - left) / (right - left) - 1.0)
+
+    def at(self, distance: float) -> tuple[float, float, float, float]:
+        """(phi0, rad; T0, N; x0, y0, m) at a distance from the body, m, 0 to L."""
+        k, row = self.place(distance)
         values = [float(row @ f[k]) for f in (self.angle, self.log_tension, self.x, self.y)]
         return values[0], math.exp(values[1]), values[2], values[3]
 
