@@ -178,7 +178,7 @@ def test_inertia_is_in_the_tension_of_a_changing_speed() -> None:
     assert 503.0 < mass < 525.0
     told = items(result)["premises"]
     assert result.verdict.word == told.word == "invalid" and "body.margin_speed_change" in told.reason
-    assert told.number is not None and told.number > 0.45 and told.remedy == "change the speed more slowly"
+    assert told.number is not None and told.number > 4 * 0.45 and told.remedy == "change the speed more slowly"
 
 
 def test_a_body_that_overtakes_its_rope_leaves_it_slack() -> None:
@@ -188,7 +188,7 @@ def test_a_body_that_overtakes_its_rope_leaves_it_slack() -> None:
     slack = result["body.tension"] == 0.0
     assert slack.any() and (result["body.lateral_force"][slack] == 0.0).all()
     assert result.verdict.word == "invalid"
-    assert min(m.worst for m in result.margins if m.variable == "body.margin_speed_change") < -19.0
+    assert min(m.worst for m in result.margins if m.variable == "body.margin_speed_change") < -79.0
 
 
 def test_a_speed_that_stays_has_no_error() -> None:
