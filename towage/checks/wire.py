@@ -67,7 +67,7 @@ class Cost:
     @property
     def error(self) -> float:
         """The bound."""
-        error = max(self.motion, self.tension)
+        error = float(max(self.motion, self.tension))
         return error * (ROOM + GROWS * error)
 
 
