@@ -147,6 +147,7 @@ CHECKS = Registry(
         "statistics": "towage.checks.statistics:CHECK",
         "simpler": "towage.checks.simpler:CHECK",
         "towing": "towage.checks.tows:CHECK",
+        "wire": "towage.checks.wire:CHECK",
         "margins": "towage.checks.margins:CHECK",
     },
 )

@@ -55,7 +55,6 @@ class Outputs(NamedTuple):
     reaction: spring_line.Reaction
     margin_taut: spring_line.MarginTaut
     margin_breaking: spring_line.MarginBreaking
-    margin_propagation: spring_line.MarginPropagation
     margin_drag_reynolds: cradle.MarginDragReynolds
     heave_rate: Rate
     tension_rate: Rate
@@ -68,7 +67,7 @@ class Outputs(NamedTuple):
 
 
 class Calculated(NamedTuple):
-    """K; M and b before docking; sqrt(K/M)."""
+    """K; M and b before docking; sqrt(K/M); m L."""
 
     port_stiffness: Annotated[Value, calculated_parameter("N/m", "Stiffness seen at the upper end", tunable=True)]
     virtual_mass: Annotated[Value, calculated_parameter("kg", "Virtual mass before docking", tunable=True)]
@@ -76,6 +75,7 @@ class Calculated(NamedTuple):
         Value, calculated_parameter("kg/m", "Drag per squared velocity before docking", tunable=True)
     ]
     natural_frequency: Annotated[Value, calculated_parameter("rad/s", "sqrt(K/M) before docking", tunable=True)]
+    wire_mass: spring_line.WireMass
 
 
 def _line(y: Value, u: Inputs, taut: Value, p: Parameters, ops: Ops) -> tuple[Value, Value]:
@@ -87,8 +87,8 @@ def _line(y: Value, u: Inputs, taut: Value, p: Parameters, ops: Ops) -> tuple[Va
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Those of both parts."""
-    bears = spring_line.bears(p.weight_in_water, p.breaking_load, "weight_in_water", ops)
-    return spring_line.stiff(p, ops), bears, *cradle.requirements(p, ops)
+    bears = spring_line.bears(p.weight_in_water, p, "weight_in_water", ops)
+    return spring_line.stiff(p, ops), *spring_line.wire(p, ops), bears, *cradle.requirements(p, ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -110,9 +110,9 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     tension = ops.where(p.freeze_branches > 0.5, tension, ops.maximum(tension, 0.0))
     e_rate = du.heave_top - v
     rate = m.taut * k * e_rate
-    taut, breaking, propagation = spring_line.margins(tension, rate, e, k, p.weight_in_water, p, ops)
+    taut, breaking = spring_line.margins(tension, e, k, p.weight_in_water, p, ops)
     return Outputs(
-        y, v, tension, tension - p.weight_in_water, taut, breaking, propagation,
+        y, v, tension, tension - p.weight_in_water, taut, breaking,
         cradle.margin_drag_reynolds(v, m.docked, p, ops), v, rate, rate, e, e_rate, m.taut, m.docked,
         next_event_time(t, m, p, ops),
     )  # fmt: skip
@@ -140,7 +140,7 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Constants of the unit."""
     k = spring_line.stiffness(p, ops)
     mass, b = cradle.calculated(p, ops)
-    return Calculated(k, mass, b, ops.sqrt(k / mass))
+    return Calculated(k, mass, b, ops.sqrt(k / mass), spring_line.wire_mass(p, ops))
 
 
 CRADLE_ON_LINE = Model(

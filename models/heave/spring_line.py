@@ -10,11 +10,13 @@
 | W | static tension: the weight in water it carries at rest | N |
 | x, y | heave of the upper and the lower end from the static equilibrium, positive up | m |
 
-Assumptions: (1) stretch proportional to load; (2) no mass, no drag of its own; (3) the travel time L/c of a wave along
-it is short against the motion (`margin_propagation`); (4) no memory: taut again without impact.
+Assumptions: (1) stretch proportional to load; (2) no mass, no drag of its own, so that a wave runs along it in no time;
+(3) no memory: taut again without impact. What (2) and (3) cost follows from the mass of the wire with the load and the
+motion, which no line knows: the check `wire` of the master says it, after `elastic_bar`. The line's own weight counts
+against its breaking load only; it does not change the motion about the equilibrium.
 
 Source: MIT thesis 1969, section II "spring force" (K = EA/L, parallel, series) and example 2 (slack: relaxed when
-y - x exceeds W/K). The quasi-static line is the thesis's own argument: 100 ft at 3000 ft/s against periods of seconds.
+y - x exceeds W/K). The line without waves is the thesis's own argument: 100 ft at 3000 ft/s against periods of seconds.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from typing import Annotated, NamedTuple
 
 from ..numeric.ops import NEGLIGIBLE, Ops, Value
 from ..protocol.model import Model, Requirement
+from ..protocol.physical import GRAVITY, ROUNDING, holds
 from ..protocol.variables import (
     FreezeBranches,
     Rate,
@@ -36,9 +39,6 @@ from ..protocol.variables import (
     tunable,
 )
 
-PROPAGATION_LIMIT = 0.4
-"""Largest omega L/c for which (omega L/c)^2/3, the first term that kL cot kL neglects, stays near 5 %."""
-
 
 @dataclass(frozen=True)
 class Elasticity:
@@ -48,9 +48,18 @@ class Elasticity:
     axial_stiffness: Annotated[Value, tunable("N", 1e6, "Axial stiffness EA", display="lbf", min=0.0)]
     length: Annotated[Value, parameter("m", 30.0, "Length at rest", display="ft", min=0.0)]
     breaking_load: Annotated[Value, parameter("N", 0.0, "Breaking load; 0: not known", display="lbf", min=0.0)]
+    mass_per_length: Annotated[
+        Value, parameter("kg/m", 0.0, "Mass per length of the line; 0: from wave_speed", display="lb/ft", min=0.0)
+    ]
+    weight_per_length: Annotated[
+        Value,
+        parameter("N/m", 0.0, "Weight in water per length; 0: as in air, the most it can be", display="lbf/ft", min=0.0),
+    ]
     wave_speed: Annotated[
         Value,
-        parameter("m/s", 0.0, "Speed of longitudinal waves along the line; 0: not known", display="ft/s", min=0.0),
+        parameter(
+            "m/s", 0.0, "Speed of waves along the line, which gives its mass; 0: not known", display="ft/s", min=0.0
+        ),
     ]
     freeze_branches: FreezeBranches
 
@@ -90,9 +99,8 @@ Reaction = Annotated[
 MarginTaut = Annotated[
     Value, margin("min(1, K e / W), e the stretch and W the static tension; the line is slack below 0")
 ]
-MarginBreaking = Annotated[Value, margin("1 - (T - W)/(T_break - W)")]
-MarginPropagation = Annotated[
-    Value, margin("1 - (L/c) |dT/dt| / (0.4 W), L/c the travel time of a wave along the line")
+MarginBreaking = Annotated[
+    Value, margin("1 - (T - W)/(T_break - W - w L), w L the line's own weight, which hangs on its upper end")
 ]
 EventTaut = Annotated[
     Value, local("m", "Stretch beyond the unstretched length; the line is taut where it is positive")
@@ -108,7 +116,6 @@ class Outputs(NamedTuple):
     stretch: Annotated[Value, output("m", "Stretch beyond the unstretched length", display="ft")]
     margin_taut: MarginTaut
     margin_breaking: MarginBreaking
-    margin_propagation: MarginPropagation
     tension_rate: Rate
     reaction_rate: Rate
     event_taut: EventTaut
@@ -116,13 +123,17 @@ class Outputs(NamedTuple):
     taut: Taut
 
 
+WireMass = Annotated[Value, calculated_parameter("kg", "Mass of the line; 0: not known", tunable=True)]
+
+
 class Calculated(NamedTuple):
-    """K, and ``length`` less the static stretch."""
+    """K, ``length`` less the static stretch, m L."""
 
     port_stiffness: Annotated[Value, calculated_parameter("N/m", "Stiffness seen at both ends", tunable=True)]
     unstretched_length: Annotated[
         Value, calculated_parameter("m", "Length before the static tension stretched the line", tunable=True)
     ]
+    wire_mass: WireMass
 
 
 def parallel(*stiffness: float) -> float:
@@ -152,22 +163,30 @@ def pull(e: Value, taut: Value, k: Value, freeze_branches: Value, ops: Ops) -> V
     return k * ops.where(freeze_branches > 0.5, taut * e, ops.maximum(e, 0.0))
 
 
-def margins(
-    tension: Value, tension_rate: Value, e: Value, k: Value, weight: Value, p: Elasticity, ops: Ops
-) -> tuple[Value, Value, Value]:
-    """(taut, breaking, propagation). W is the static tension.
+def wire_mass(p: Elasticity, ops: Ops) -> Value:
+    """m L, kg: from ``mass_per_length``, else K (L/c)^2, since EA = K L and c^2 = EA/m; 0 where neither is known."""
+    known = p.wave_speed > NEGLIGIBLE
+    travel_time = ops.where(known, p.length / ops.where(known, p.wave_speed, 1.0), 0.0)
+    given = p.mass_per_length * p.length
+    return ops.where(p.mass_per_length > 0.0, given, stiffness(p, ops) * travel_time * travel_time)
 
-    taut = min(1, K e/W): 0 at slack, negative beyond. breaking = 1 - (T - W)/(T_break - W), 1 where no breaking load is
-    given. propagation = 1 - (L/c)|T'|/(0.4 W): the share of W by which the tension changes while a wave runs along the
-    line, against its limit; for T = W + W sin(omega t) that is omega L/c < 0.4.
+
+def own_weight(p: Elasticity, ops: Ops) -> Value:
+    """w L, N, which hangs on the upper end: as given, else as in air, which no water makes more."""
+    return ops.where(p.weight_per_length > 0.0, p.weight_per_length * p.length, wire_mass(p, ops) * GRAVITY)
+
+
+def margins(tension: Value, e: Value, k: Value, weight: Value, p: Elasticity, ops: Ops) -> tuple[Value, Value]:
+    """(taut, breaking). W is the static tension.
+
+    taut = min(1, K e/W): 0 at slack, negative beyond. breaking = 1 - (T - W)/(T_break - W - w L), 1 where no breaking load
+    is given.
     """
     scale = ops.where(weight > NEGLIGIBLE, weight, 1.0)
     taut = ops.minimum(1.0, ops.where(weight > NEGLIGIBLE, k * e / scale, ops.where(e < 0.0, -1.0, 1.0)))
-    reserve = ops.maximum(p.breaking_load - weight, 1e-9 * scale)
+    reserve = ops.maximum(p.breaking_load - weight - own_weight(p, ops), 1e-9 * scale)
     breaking = ops.where(p.breaking_load > 0.0, 1.0 - ops.maximum(tension - weight, 0.0) / reserve, 1.0)
-    known = p.wave_speed > NEGLIGIBLE
-    travel_time = ops.where(known, p.length / ops.where(known, p.wave_speed, 1.0), 0.0)
-    return taut, breaking, 1.0 - travel_time * ops.abs(tension_rate) / (PROPAGATION_LIMIT * scale)
+    return taut, breaking
 
 
 def stiff(p: Elasticity, ops: Ops) -> Requirement:
@@ -177,18 +196,33 @@ def stiff(p: Elasticity, ops: Ops) -> Requirement:
     return given, text
 
 
-def bears(static_tension: Value, breaking_load: Value, load: str, ops: Ops) -> Requirement:
-    """A line that breaks above its static tension, N, if it is known to break; ``load`` is the parameter that gives it."""
+def bears(static_tension: Value, p: Elasticity, load: str, ops: Ops) -> Requirement:
+    """A line that breaks above its static tension, N, and its own weight, if it is known to break; ``load`` is the parameter
+    that gives the tension."""
     text = (
-        f"{load}, which the line carries at rest, reaches breaking_load: take a stronger line, a lighter load, or 0 for a "
-        "breaking_load that is not known"
+        f"{load}, which the line carries at rest, with the line's own weight (weight_per_length; without it that in air) "
+        "reaches breaking_load: take a stronger line, a lighter load, or 0 for a breaking_load that is not known"
     )
-    return ops.where(breaking_load > 0.0, breaking_load - static_tension, 1.0), text
+    hangs = static_tension + own_weight(p, ops)
+    return ops.where(p.breaking_load > 0.0, p.breaking_load - hangs, 1.0), text
+
+
+def wire(p: Elasticity, ops: Ops) -> tuple[Requirement, ...]:
+    """The mass of the line is given once, and it weighs no more in water than in air."""
+    once = "mass_per_length and wave_speed are both given, but m c^2 = K L: give one of them and 0 for the other"
+    light = (
+        "weight_per_length is above g times the mass per length (mass_per_length, or K L / wave_speed^2), the weight in air: "
+        "in water a line weighs less by its buoyancy (units of measure?)"
+    )
+    mass = wire_mass(p, ops)
+    possible = holds(p.weight_per_length * p.length <= mass * GRAVITY * (1.0 + ROUNDING), ops)
+    both = ops.minimum(p.mass_per_length, p.wave_speed) > 0.0
+    return (ops.where(both, 0.0, 1.0), once), (ops.where(mass > 0.0, possible, 1.0), light)
 
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
-    """A stiffness, and a strength that bears what hangs on the line."""
-    return stiff(p, ops), bears(p.static_tension, p.breaking_load, "static_tension", ops)
+    """A stiffness, one mass, and a strength that bears what hangs on the line."""
+    return stiff(p, ops), *wire(p, ops), bears(p.static_tension, p, "static_tension", ops)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -204,10 +238,8 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     branch = ops.where(p.freeze_branches > 0.5, m.taut, ops.where(e > 0.0, 1.0, 0.0))
     tension = pull(e, branch, k, p.freeze_branches, ops)
     rate = branch * k * e_rate
-    taut, breaking, propagation = margins(tension, rate, e, k, p.static_tension, p, ops)
-    return Outputs(
-        tension, tension - p.static_tension, e, taut, breaking, propagation, rate, rate, e, e_rate, branch
-    )  # fmt: skip
+    taut, breaking = margins(tension, e, k, p.static_tension, p, ops)
+    return Outputs(tension, tension - p.static_tension, e, taut, breaking, rate, rate, e, e_rate, branch)
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -217,9 +249,9 @@ def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
-    """Stiffness seen at both ends, and the length before W stretched it (``length`` is measured at rest)."""
+    """Stiffness seen at both ends, the length before W stretched it (``length`` is measured at rest), and the mass."""
     k = stiffness(p, ops)
-    return Calculated(k, p.length - p.static_tension / k)
+    return Calculated(k, p.length - p.static_tension / k, wire_mass(p, ops))
 
 
 SPRING_LINE = Model(

@@ -95,6 +95,11 @@ def margin(formula: str, *, also: tuple[str, ...] = ()) -> Quantity:
     return output("1", f"1 at rest, 0 at the limit, negative beyond: {formula}", also=also)
 
 
+def error_margin(what: str, percent: float, remedy: str, *, also: tuple[str, ...] = ()) -> Quantity:
+    """A margin 1 - error / limit, the limit in ``percent``: ``what`` errs, and the ``remedy``. The verdict shows the error."""
+    return margin(f"1 - error / {percent:g} %, {what}; remedy: {remedy}", also=also)
+
+
 def local(unit: str, description: str, *, display: str | None = None, discrete: bool = False) -> Quantity:
     """A local variable: for the master and for people who look for a fault; ``discrete`` where it changes at events only."""
     return Quantity(unit, description, None, "local", "discrete" if discrete else "continuous", display)

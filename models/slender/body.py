@@ -9,7 +9,8 @@ linear model in ``docs/native.md``, core input w, schedule u.
 |---|---|---|
 | y | lateral displacement, positive to port; x forward along the tow, z up | m |
 | U, w | ``tow_speed``, ``craft_lateral`` | m/s, m |
-| T | rope tension M U^2 P/2 | N |
+| T | rope tension M U^2 P/2 + m_x dU/dt, never negative: a rope cannot push | N |
+| m_x | mass of the body with its added mass along the tow | kg |
 | alpha | ``rope_angle`` = (tip - w)/rope length, positive with the tip to port of the craft | rad |
 | F | ``lateral_force`` of the rope on the craft, T alpha, positive to port; along the tow the rope pulls it back by T | N |
 | psi | ``yaw_angle`` = (y nose - y tail)/L, positive with the nose to port | rad |
@@ -18,14 +19,17 @@ linear model in ``docs/native.md``, core input w, schedule u.
 ``flexible`` = 0 holds the body rigid: two shape functions, two pairs of states. The step is exact for a constant speed
 and a cubic w; `damping` tells about a changing speed and ``fast_mode_damping``.
 
-Assumptions: those of `coefficients`; the speed may change slowly (forces of dU/dt are left out); the craft is a
-source of constant speed, so that energy is not conserved and a host must not expect it.
+Assumptions: those of `coefficients`; the speed changes slowly: dU/dt is in the rope's tension and its force on the craft, but
+not in the equation of the lateral motion, whose rope pulls with the drag alone (`margin_speed_change`; where the body overtakes
+its rope, the rope is slack and the equation means nothing); the craft is a source of speed, so that energy is not conserved
+and a host must not expect it.
 
 | margin | 1 minus, or formula |
 |---|---|
 | stability | min(1, -10 g L/U): 1 where every disturbance decays by 1/e within ten lengths, and at U = 0 |
 | small_slope | largest slope of rope and body over ``slope_limit`` |
 | neutral_buoyancy | abs(m/M - 1) over ``buoyancy_limit`` |
+| speed_change | 4 m_x abs(dU/dt)/(M U^2 P/2), which bounds the error of a stable lateral motion, over 5 % |
 | resolution | U over ``resolved_speed``, up to which the first five modes are right to 1e-4, rigid to 5 % |
 
 Source: thesis on the towed slender body; `coefficients`, `galerkin`, `rigid` for equations.
@@ -40,7 +44,7 @@ from typing import Annotated, NamedTuple
 from ..numeric.ops import NEGLIGIBLE, Ops, Value
 from ..protocol.linear_model import LinearModel, NoOwn
 from ..protocol.state_space import Setup
-from ..protocol.variables import Rate, calculated_parameter, input_variable, margin, output
+from ..protocol.variables import Rate, calculated_parameter, error_margin, input_variable, margin, output
 from .damping import propagator
 from .prepared import prepare as prepared
 from .prepared import resolved_constants
@@ -48,6 +52,13 @@ from .setup import Constants, Parameters, Size, requirements, setup, size_of, st
 
 PER_LENGTH = 0.1
 """Decay per body length at which the stability margin is 1."""
+CHANGE_LIMIT = 0.05
+"""Error of the lateral motion, relative to its largest value, up to which a change of speed is slow."""
+FELT = 4.0
+"""That error over the share m_x dU/dt has of the rope's pull, at most: 0.1 to 3.2 on 150 random ramps of bodies that are stable
+(``tests/models/test_slender_speed_change.py``: with the forces of dU/dt on rope, body and ends against without)."""
+LEAST = -1e9
+"""Margins are finite."""
 
 
 class Inputs(NamedTuple):
@@ -82,6 +93,13 @@ class Outputs(NamedTuple):
         Value, margin("1 - |m/M - 1| / buoyancy_limit, M the mass of the water displaced")
     ]
     margin_resolution: Annotated[Value, margin("1 - U / resolved_speed")]
+    margin_speed_change: Annotated[
+        Value,
+        error_margin(
+            "of the lateral motion, which leaves the forces of dU/dt out; the rope is slack where the body overtakes it",
+            100.0 * CHANGE_LIMIT, "change the speed more slowly",
+        ),
+    ]  # fmt: skip
     tension_rate: Rate
     lateral_force_rate: Rate
     tip_rate: Rate
@@ -103,6 +121,7 @@ class Calculated(NamedTuple):
         ),
     ]
     towed_mass: Annotated[Value, calculated_parameter("kg", "Mass with the lateral added mass", display="lb")]
+    axial_mass: Annotated[Value, calculated_parameter("kg", "Mass with the added mass along the tow", display="lb")]
 
 
 def start(p: Parameters, constants: Constants, ops: Ops) -> tuple[tuple[Value, ...], tuple[()]]:
@@ -137,18 +156,25 @@ def observe(
     speed_rate, w_rate = du
     tip, tail, yaw, *slopes = y
     tip_rate, tail_rate, yaw_rate, *_ = y_rate
-    tension, tension_rate = constants.pull * speed * speed, 2.0 * constants.pull * speed * speed_rate
+    drag, inertia = constants.pull * speed * speed, constants.axial_mass * speed_rate
+    taut = drag + inertia > 0.0
+    tension = ops.maximum(0.0, drag + inertia)
+    tension_rate = ops.where(taut, 2.0 * constants.pull * speed * speed_rate, 0.0)  # U'' is not known here
     angle, angle_rate = (tip - w) / p.rope_length, (tip_rate - w_rate) / p.rope_length
     slope = ops.abs(angle)
     for each in slopes:
         slope = ops.maximum(slope, ops.abs(each))
     moves = speed > NEGLIGIBLE
+    pulled = drag > NEGLIGIBLE
+    left_out = ops.abs(inertia) / ops.where(pulled, drag, 1.0)
+    left_out = ops.where(pulled, left_out, ops.where(ops.abs(inertia) > 0.0, -LEAST, 0.0))
     decay = ops.where(moves, -growth * p.length / (PER_LENGTH * ops.where(moves, speed, 1.0)), 1.0)
     return Outputs(
-        tension, tension * angle, tip, tail, angle, yaw, growth, ops.maximum(-1e9, ops.minimum(1.0, decay)),
+        tension, tension * angle, tip, tail, angle, yaw, growth, ops.maximum(LEAST, ops.minimum(1.0, decay)),
         1.0 - slope / p.slope_limit,
         1.0 - ops.abs(constants.mass_share - 1.0) / p.buoyancy_limit,
         1.0 - speed / (constants.resolved * constants.speed_scale),
+        ops.maximum(LEAST, 1.0 - FELT * left_out / CHANGE_LIMIT),
         tension_rate, tension_rate * angle + tension * angle_rate, tip_rate, tail_rate, yaw_rate,
     ), ()  # fmt: skip
 
@@ -156,7 +182,7 @@ def observe(
 def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
     """Scales of the body."""
     c = constants
-    return Calculated(c.time_scale, c.speed_scale, c.resolved * c.speed_scale, c.towed_mass)
+    return Calculated(c.time_scale, c.speed_scale, c.resolved * c.speed_scale, c.towed_mass, c.axial_mass)
 
 
 def prepare(p: Parameters) -> Setup:

@@ -124,13 +124,14 @@ class Undamped(Size):
 
 
 class Constants(NamedTuple):
-    """tau, s; speed of u = 1, m/s; T/U^2, N s2/m2; mass with the water it drags, kg; m/M; `FAST` and `FLEXURE` in 1/s;
-    the u up to which the modes are resolved, which is found after the rest."""
+    """tau, s; speed of u = 1, m/s; T/U^2, N s2/m2; mass with the water it drags across, and along the tow, kg; m/M; `FAST`
+    and `FLEXURE` in 1/s; the u up to which the modes are resolved, which is found after the rest."""
 
     time_scale: Value
     speed_scale: Value
     pull: Value
     towed_mass: Value
+    axial_mass: Value
     mass_share: Value
     fast: Value
     flexure: Value
@@ -225,6 +226,16 @@ def system_of(p: Parameters, size: Size, matrices: MatrixOps) -> Matrices:
     return replace(plain, extra=fast_mode_damping(plain, p.fast_mode_damping, matrices))
 
 
+def axial_mass(p: Parameters, ops: Ops) -> Value:
+    """Mass that a change of the tow speed accelerates, kg: body, ends, and the added mass along the tow, that of the spheroid
+    which both ends make (k1 of H. Lamb, Hydrodynamics, 6th ed., section 114: the cylinder between them adds none)."""
+    fluid, mass = masses(p, ops)
+    numbers = dimensionless(p, ops)
+    its_ends = ends(numbers, ops)
+    volume = its_ends.nose.i2 + its_ends.tail.i2
+    return p.length * (mass * (1.0 + volume) + fluid * its_ends.shape.k1 * volume)
+
+
 def setup(p: Parameters, size: Size, matrices: MatrixOps) -> Setup:
     """The matrices in s and m, and the constants."""
     return assemble(p, system_of(p, size, matrices), matrices)
@@ -247,7 +258,7 @@ def assemble(p: Parameters, system: Matrices, matrices: MatrixOps) -> Setup:
     moved = (mass + fluid) * p.length * system.mass[0, 0]
     constants = Constants(
         time_scale=tau, speed_scale=ops.sqrt(p.bending_stiffness / fluid) / p.length,
-        pull=0.5 * fluid * system.tension, towed_mass=moved,
+        pull=0.5 * fluid * system.tension, towed_mass=moved, axial_mass=axial_mass(p, ops),
         mass_share=mass / fluid, fast=FAST / tau, flexure=FLEXURE / tau, resolved=0.0,
     )  # fmt: skip
     count = rows.shape[0]

@@ -32,7 +32,7 @@ def test_docking_acts_through_the_event_alone() -> None:
 
 
 def test_a_rate_alone_counts() -> None:
-    """`margin_propagation` of the cradle on its line: the speed of the lower end jumps when the submersible docks."""
+    """`event_taut_rate` of the cradle on its line: the speed of the lower end jumps when the submersible docks."""
     whole = dependencies(load("cradle_on_line"))
     assert whole["margin_taut"] == ("heave_top",)
-    assert whole["margin_propagation"] == ("heave_top", "submersible_velocity")
+    assert whole["tension_rate"] == ("heave_top", "submersible_velocity")

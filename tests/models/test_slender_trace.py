@@ -80,7 +80,7 @@ def test_generated_text_stays_small(size: Size) -> None:
 def test_functions_by_casadi_are_those_of_floats(size: Size) -> None:
     """Scalars, every theory; 1e-12: CasADi reorders sums."""
     structure = size._asdict()
-    p, c, v = casadi.SX.sym("p", len(BASE)), casadi.SX.sym("c", 8), casadi.SX.sym("v", 61)
+    p, c, v = casadi.SX.sym("p", len(BASE)), casadi.SX.sym("c", 9), casadi.SX.sym("v", 61)
     rng = random.Random(0)
 
     def every(p: Any, c: Any, v: Any, ops: Any) -> list[Any]:
@@ -97,7 +97,7 @@ def test_functions_by_casadi_are_those_of_floats(size: Size) -> None:
         ]  # fmt: skip
 
     components = tuple(v[i] for i in range(61))
-    constants = Constants(*(c[i] for i in range(8)))
+    constants = Constants(*(c[i] for i in range(9)))
     traced = every(symbolic(p, **structure), constants, components, symbols())
     function = casadi.Function("f", [p, c, v], [casadi.vertcat(*traced)])
     for seed in range(6):

@@ -67,14 +67,14 @@ def monolithic(chosen: Scene, h: float) -> tuple[Array, Array]:
     known: dict[float, Array] = {}
 
     def matrix(t: float) -> Array:
-        speed = sway_craft.tow_speed(t, p, FLOATS)[0]
+        speed, rate = sway_craft.tow_speed(t, p, FLOATS)
         if speed not in known:
             u = speed / made.speed
             a = np.zeros((2 * n + 6, 2 * n + 6))
             load = made.system.load(u) / made.tau
             a[: 2 * n, : 2 * n] = made.system.companion(u) / made.tau
             a[: 2 * n, 2 * n] = a[: 2 * n, 2 * n + 2] = load
-            stiffness = made.pull * speed**2 / made.rope
+            stiffness = (made.pull * speed**2 + made.constants.axial_mass * rate) / made.rope
             a[2 * n, 2 * n + 1] = 1.0
             a[2 * n + 1, :n] = stiffness * made.points[0] / p.mass
             a[2 * n + 1, 2 * n] = -(p.stiffness + stiffness) / p.mass

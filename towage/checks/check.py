@@ -184,6 +184,9 @@ class Check:
     after: Callable[[Finished], Sequence[Finding]] = _none
     """What the run shows."""
 
+    margins: tuple[str, ...] = ()
+    """Margins that ``after`` adds to those of a unit, "margin_...", so that ``report_only`` may name them."""
+
     item: Callable[[Result], Item | None] = lambda result: None
     """What the check says to the verdict. Its name is that of the check where it gives none."""
 

@@ -35,12 +35,16 @@ class Finding:
 @dataclass(frozen=True)
 class Margin:
     """Smallest value of a margin and when, s; 1 at rest, 0 at the limit of validity. ``decides``: it can make a run
-    invalid, otherwise it is shown only."""
+    invalid, otherwise it is shown only. A margin that bounds an error is 1 - error/limit: ``error`` and ``limit`` are
+    relative, None of others; ``remedy``: what can be done where it is negative."""
 
     variable: str
     worst: float
     time: float
     decides: bool
+    error: float | None = None
+    limit: float | None = None
+    remedy: str = ""
 
 
 @dataclass(frozen=True)

@@ -178,8 +178,12 @@ def _check_single_sources(connections: tuple[ResolvedConnection, ...], names: Na
 
 
 def _check_margins(names: Names) -> None:
+    added = {margin for check in names.scene.active_checks() for margin in check.margins}
     for index, name in enumerate(names.scene.checks.report_only):
         key = f"checks.report_only[{index}]"
+        unit, _, own = name.partition(".")
+        if own in added and unit in names.variables:
+            continue
         _, variable = names.find(name, key)
         if not variable.name.startswith("margin_"):
             raise names.fault(f"{name!r} is no margin: expected 'unit.margin_...'", key)

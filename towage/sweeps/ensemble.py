@@ -92,4 +92,5 @@ def _note(scene: Scene, members: Members) -> str:
     )
     left = _left_out(scene)
     absent = f" The {left}: left out, as a second run of every point is needed (--engine runs)." if left else ""
-    return f"{made}{absent} Counts of events, attractors and coupling errors: left out too (--engine runs)."
+    rest = "The check wire (mass of a line), counts of events, attractors and coupling errors: left out too (--engine runs)."
+    return f"{made}{absent} {rest}"

@@ -48,7 +48,8 @@ def dimensionless_system(
             mass=hull[0], damping=hull[1], stiffness=hull[2], sdof_tolerance=0.05,
         ),
         line=spring_line.Parameters(
-            stiffness=stiffness, axial_stiffness=0.0, length=0.0, breaking_load=0.0, wave_speed=0.0,
+            stiffness=stiffness, axial_stiffness=0.0, length=0.0, breaking_load=0.0, mass_per_length=0.0,
+            weight_per_length=0.0, wave_speed=0.0,
             freeze_branches=0.0, static_tension=weight,
         ),
         cradle=cradle.Parameters(
