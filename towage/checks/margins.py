@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from towage.checks.check import Cell, Check, Finished, Part
+from towage.checks.verdict import GRAVITY
 from towage.result.records import Finding, Item, Margin
 
 if TYPE_CHECKING:
@@ -17,26 +18,32 @@ PREMISES = "premises"
 
 
 def after(run: Finished) -> list[Finding]:
-    """Sets the result's ``margins``."""
+    """Adds what units say to the result's ``margins``, but where a check has found the error behind one."""
     import numpy as np
 
     result, shown = run.result, run.scene.scene.checks.report_only
+    known = {margin.variable for margin in result.margins}
     for name, values in result.columns.items():
-        if name.split(".", 1)[1].startswith("margin_") and len(values):
+        if name.split(".", 1)[1].startswith("margin_") and len(values) and name not in known:
             k = int(np.argmin(values))
             result.margins.append(Margin(name, float(values[k]), float(result.time[k]), name not in shown))
     return []
 
 
 def item_of(margins: Sequence[Margin]) -> Item | None:
-    """What margins say to the verdict: invalid where one that decides is negative; None if none decides."""
-    worst = min((margin for margin in margins if margin.decides), key=lambda margin: margin.worst, default=None)
-    if worst is None:
-        return None
-    if worst.worst < 0.0:
-        reason = f"{worst.variable} is negative at t = {worst.time:.4g} s"
-        return Item("invalid", reason, worst.worst, 0.0, worst.time, name=PREMISES)
-    return Item("valid", f"smallest margin is {worst.variable}", worst.worst, 0.0, worst.time, name=PREMISES)
+    """What margins say to the verdict: the gravest of those that decide, the smallest of equals; None if none decides."""
+    deciding = [margin for margin in margins if margin.decides]
+    return said(min(deciding, key=lambda margin: (GRAVITY.index(said(margin).word), margin.worst))) if deciding else None
+
+
+def said(margin: Margin) -> Item:
+    """What one margin says: by the error behind it, where a check knows that, else invalid where it is negative."""
+    m = margin
+    if m.word:
+        return Item(m.word, m.reason, m.error, m.limit, m.time, m.remedy, PREMISES)
+    if m.worst < 0.0:
+        return Item("invalid", f"{m.variable} is negative at t = {m.time:.4g} s", m.worst, 0.0, m.time, name=PREMISES)
+    return Item("valid", f"smallest margin is {m.variable}", m.worst, 0.0, m.time, name=PREMISES)
 
 
 def report(result: Result) -> list[Part]:

@@ -35,12 +35,18 @@ class Finding:
 @dataclass(frozen=True)
 class Margin:
     """Smallest value of a margin and when, s; 1 at rest, 0 at the limit of validity. ``decides``: it can make a run
-    invalid, otherwise it is shown only."""
+    invalid, otherwise it is shown only. Where a check knows the error behind it: its own ``word`` (else the sign of ``worst``
+    tells), the ``reason``, the ``error`` and its ``limit``, and the ``remedy``."""
 
     variable: str
     worst: float
     time: float
     decides: bool
+    word: Word | Literal[""] = ""
+    reason: str = ""
+    error: float | None = None
+    limit: float | None = None
+    remedy: str = ""
 
 
 @dataclass(frozen=True)
