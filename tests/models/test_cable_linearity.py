@@ -12,6 +12,7 @@ from tests.verdict.tows import RAMP, RandomTow, judged, truth
 from towage.models.cable.case import Body, Cable, CableError, Tow
 from towage.models.cable.loading import eames
 from towage.models.cable.lumped.linearity import highest_frequency, recorded, regular
+from towage.models.cable.lumped.lumped import equilibrium, hanging
 from towage.models.cable.lumped.second_order import second_order
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
@@ -146,3 +147,10 @@ def test_second_order_refuses_nothing_to_answer() -> None:
         second_order(USUAL, 1.0, Excitation(), True)
     with pytest.raises(CableError, match="angular frequency"):
         second_order(USUAL, 0.0, Excitation(heave=1.0), True)
+
+
+def test_a_light_body_hangs_with_more_segments() -> None:
+    """Ten leave the quadrant, where a scene that left the number to the unit once ended."""
+    with pytest.raises(CableError, match="leaves the quadrant"):
+        equilibrium(FAST, 10)
+    assert hanging(FAST).count == 20 and hanging(USUAL).count == 10

@@ -189,6 +189,12 @@ def test_checks_send_a_rough_scene_to_the_nonlinear_unit() -> None:
     assert check.level == "warning" and "nonlinear is enough, the scene has linear" in check.message
 
 
+@pytest.mark.parametrize("name", ["float_quadrant2", "tow_two_units"])
+def test_what_only_the_run_tells_is_said_before_it(name: str) -> None:
+    (check,) = towing.before_run(Master(Scene.load(name), flavour="python").resolved)
+    assert check.level == "info" and check.value is None and "found after the run" in check.message
+
+
 def test_error_of_linearity_as_measured() -> None:
     tow = towing.scene_tows(Scene.load("tow_heavy_weather"))[0].tow
     omega = 0.4 * math.pi

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.checks.tow_names import SPRING, UNITS
+from towage.checks.tow_names import LINEAR, SPRING, UNITS
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
 from towage.models.cable.lumped.linearity import regular
@@ -123,8 +123,8 @@ def spring_gain(tow: Tow, omega: float) -> float | None:
 
 
 def linearity_error(tow: Tow, velocity: float, omega: float, quadratic_drag: bool) -> float:
-    """Error of the linear model's tensions and body motion, the largest over its amplitude, for a towpoint that heaves with this
-    velocity amplitude, m/s, for ever. Raises `CableError` where it cannot be found."""
+    """Error of the linear model's tensions and body motion, the largest over its amplitude, for a towpoint that always heaves
+    with this velocity amplitude, m/s. Raises `CableError` where it cannot be found."""
     return regular(tow, quadratic_drag, np.array([0.0, velocity, 0.0, 0.0]), omega).error
 
 
@@ -135,9 +135,19 @@ def tolerance_of(scene: Scene) -> float:
 
 
 def before_run(resolved: ResolvedScene) -> list[Finding]:
-    """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones."""
+    """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones; where only the run will tell what
+    drives it, that."""
     tolerance = tolerance_of(resolved.scene)
-    return [_fidelity(t, t.drive, tolerance) for t in tows(resolved) if t.drive and t.unit != "tow_cable"]
+    return [
+        _fidelity(t, t.drive, tolerance) if t.drive and t.unit != "tow_cable" else _later(t, tolerance)
+        for t in tows(resolved)
+        if t.unit in LINEAR or t.drive
+    ]
+
+
+def _later(tow: SceneTow, tolerance: float) -> Finding:
+    message = "the error of the linear model is found after the run, for the drive that the run has"
+    return Finding(f"fidelity of {tow.name}", "info", None, tolerance, message)
 
 
 def after_run(resolved: ResolvedScene) -> list[Finding]:
