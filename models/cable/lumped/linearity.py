@@ -17,12 +17,12 @@ Assumptions: those of ``picard.py``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...numeric.arrays import Array, ComplexArray
-from ..case import Tow
+from ..case import CableError, Tow
 from .lumped import hanging
 from .picard import DIVERGED, KEPT, Corrections, Motion, Picard, apart
 
@@ -38,6 +38,8 @@ FEWEST_TIMES, MOST_TIMES, MOST_NUMBERS = 64, 8192, 4e6
 """Times of a record, and numbers in the matrices of its frequencies: 64 MB."""
 TAPER, REST = 0.1, 0.25
 """After its end a drive dies out over the first share of its length, and nothing moves for the second one."""
+PARTS = 4
+"""Peaks are looked for at so many times as many times as the corrections have."""
 DECAY = 5.0
 """What is left of the end at the start is e^-5 of it: no trace of a motion that is still ringing."""
 ENOUGH, SHRINKS = 1e-3, 0.7
@@ -88,15 +90,19 @@ def regular(tow: Tow, quadratic_drag: bool, amplitudes: ComplexArray, omega: flo
     if _still(tow, drive):
         return RIGHT
     made = Picard(chain, quadratic_drag, step, PERIOD_POINTS).run(drive)
-    return _judged(made, top, np.linspace(0.0, step * (PERIOD_POINTS - 1), PERIOD_POINTS), slice(None))
+    return _judged(made, top, np.linspace(0.0, step * (PERIOD_POINTS - 1), PERIOD_POINTS), 0.0)
 
 
 def recorded(tow: Tow, quadratic_drag: bool, time: Array, drive: Array, settle: float) -> Linearity:
     """Of a ``drive`` (4, n), as `regular` has it, at equally spaced times (n,), s, from the steady tow at the first one; judged
     from ``settle`` on. Only the largest part of a drive that is too long for `MOST_NUMBERS` is followed. Raises `CableError`."""
+    from scipy.interpolate import CubicSpline  # takes long to load, and a unit may never ask
+
     chain = hanging(tow, SEGMENTS)
     if _still(tow, drive):
         return RIGHT
+    if len(time) < FEWEST_TIMES:
+        raise CableError(f"the drive is known at {len(time)} times: expected at least {FEWEST_TIMES}, by a shorter step")
     highest = highest_frequency(time, drive)
     wanted = KEPT * math.pi / (HARMONICS * highest) if highest else math.inf
     stride = int(min(max(1.0, wanted / (time[1] - time[0])), max(1, len(time) // FEWEST_TIMES)))
@@ -105,10 +111,22 @@ def recorded(tow: Tow, quadratic_drag: bool, time: Array, drive: Array, settle: 
     most = int(min(MOST_TIMES, MOST_NUMBERS / (2 * chain.count) ** 2 / KEPT) / (1.0 + REST + TAPER))
     kept = _largest(time, drive, settle, most)
     time, drive = time[kept], drive[:, kept]
-    whole = _ended(drive, int(TAPER * len(time)) + 1, int(REST * len(time)))
-    made = Picard(chain, quadratic_drag, step, whole.shape[1], DECAY / (step * whole.shape[1])).run(whole)
-    top = np.cumsum(drive[:2], axis=1) * step
-    return _judged(made, top, time, slice(int(np.searchsorted(time, settle)), len(time)))
+    dying = int(TAPER * len(time)) + 1
+    if kept.start:
+        # from rest, as a tow begins
+        drive = drive * np.minimum(1.0, np.arange(len(time)) / dying)
+        settle = max(settle, float(time[dying]))
+    whole = _ended(drive, dying, int(REST * len(time)))
+    engine = Picard(chain, quadratic_drag, step, whole.shape[1], DECAY / (step * whole.shape[1]))
+    made = engine.run(whole)
+    fine = np.linspace(time[0], time[-1], PARTS * (len(time) - 1) + 1)
+    top = CubicSpline(time, drive[:2], axis=1).antiderivative()(fine)
+    linear, *corrected = (_finer(engine, motion) for motion in (made.linear, *made.corrected))
+    return _judged(replace(made, linear=linear, corrected=tuple(corrected)), top, fine, settle)
+
+
+def _finer(engine: Picard, motion: Motion) -> Motion:
+    return Motion(*(engine.between(values, PARTS) for values in (motion.tension_top, motion.tension_body, motion.body)))
 
 
 def highest_frequency(time: Array, drive: Array) -> float:
@@ -139,9 +157,9 @@ def _ended(drive: Array, dying: int, quiet: int) -> Array:
     return np.hstack([drive, tail, np.zeros((4, quiet))])
 
 
-def _judged(made: Corrections, top: Array, time: Array, part: slice) -> Linearity:
-    """The errors over ``part`` of the times; ``top``: displacement of the towpoint, m, (2, n)."""
-    n = len(time)
+def _judged(made: Corrections, top: Array, time: Array, settle: float) -> Linearity:
+    """The errors from ``settle``, s, on; ``top``: displacement of the towpoint, m, (2, n)."""
+    n, part = len(time), slice(int(np.searchsorted(time, settle)), len(time))
     steps = [_of(motion, top, n, part) for motion in (made.linear, *made.corrected)]
     linear = steps[0]
     followed = (made.last < DIVERGED and made.shrinks < SHRINKS) or made.last < ENOUGH

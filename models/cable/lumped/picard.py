@@ -62,7 +62,8 @@ class Picard:
 
     def __init__(self, chain: Chain, quadratic_drag: bool, step: float, times: int, decay: float = 0.0) -> None:
         self.chain, self.quadratic, self.times = chain, quadratic_drag, times
-        self.weight = np.exp(-decay * step * np.arange(times))
+        self.decay = decay * step
+        self.weight = np.exp(-self.decay * np.arange(times))
         self.rates = decay + 2j * math.pi * np.fft.rfftfreq(times, step)
         self.kept = int(KEPT * len(self.rates))
         x, y = chain.steps
@@ -131,6 +132,13 @@ class Picard:
         inertia = np.array([[body.mass + body.added_mass_surge], [body.mass + body.added_mass_heave]])
         r[:, 0] += inertia * acceleration[:, 0] - body_force(chain.tow, self.quadratic, velocity[:, 0], drive[2:])
         return r, nodes[:, 0]
+
+    def between(self, values: Array, parts: int) -> Array:
+        """Values at the times (..., n) as they are at ``parts`` times as many: peaks lie between the times."""
+        count = parts * self.times
+        fine = np.fft.irfft(np.fft.rfft(values * self.weight), count) * parts
+        found: Array = fine * np.exp(self.decay / parts * np.arange(count))
+        return found
 
     def run(self, drive: Array, most: int = 8, enough: float = 1e-3) -> Corrections:
         """Corrections until one changes tensions and body by less than ``enough`` of the linear amplitude, at most ``most``.
