@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 import towage
 from tests.verdict.tows import word_of
-from towage.checks.linearity import margin_of
+from towage.checks.linearity import drive_of, margin_of
 from towage.checks.margins import item_of
+from towage.models.cable.case import CableError
 from towage.models.cable.lumped.linearity import Linearity
 from towage.report.page import text_summary
 from towage.result.records import Item, Margin
@@ -87,6 +90,13 @@ def test_words(found: Linearity | str, word: str, number: float | None) -> None:
     assert (margin.word, margin.error, margin.limit, margin.decides) == (word, number, 0.05, True)
     assert (margin.remedy == "") == (word == "valid")
     assert not margin_of("tow", found, 0.05, ("tow.margin_small_perturbation",)).decides
+
+
+def test_a_drive_that_nobody_observed_is_named() -> None:
+    connection = SimpleNamespace(source_unit="hull", source="velocity", target_unit="tow", target="velocity_heave", factor=1.0)
+    run: Any = SimpleNamespace(scene=SimpleNamespace(connections=[connection]), track=SimpleNamespace(columns={}))
+    with pytest.raises(CableError, match=r"hull\.velocity, which drives tow\.velocity_heave, was not observed"):
+        drive_of(run, "tow", "velocity_heave")
 
 
 def test_the_mean_shift_is_told() -> None:

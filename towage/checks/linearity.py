@@ -90,10 +90,13 @@ def inputs_of(scene: ResolvedScene, tow: SceneTow) -> list[tuple[str, str, float
 
 
 def drive_of(run: Finished, unit: str, name: str) -> Array:
-    """An input over the run's comparison times: what is connected to it, else its constant."""
+    """An input over the run's comparison times: what is connected to it, else its constant. Raises `CableError`."""
     for c in run.scene.connections:
         if (c.target_unit, c.target) == (unit, name):
-            values: Array = c.factor * run.track.at(f"{c.source_unit}.{c.source}", run.times)
+            source = f"{c.source_unit}.{c.source}"
+            if source not in run.track.columns:
+                raise CableError(f"{source}, which drives {unit}.{name}, was not observed: add it to record.variables")
+            values: Array = c.factor * run.track.at(source, run.times)
             return values
     entry = run.scene.units[unit]
     start = next((v.start for v in entry.description.variables if v.name == name), 0.0)
