@@ -2,15 +2,15 @@
 
 | margin | formula: 1 at rest, 0 at the limit |
 |---|---|
-| small_perturbation | 1 - v/(r c), v the speed of the towpoint, r = ``perturbation_limit`` |
+| small_perturbation | 1 - v/(r c), v the speed of the towpoint, r = ``perturbation_limit``: a rough sign, see below |
 | slack | 1 - max over the segments of abs(T1)/T0; the tension it predicts vanishes 5 % early |
-| flow | 1 - abs(V1)/V0 at the towpoint, V the flow along the cable: the report's criterion |
 | quadrant | 1 - largest share of the way to the stream's direction that a segment has turned [12] [13] |
 | resolution | 1 - error/tolerance, error of nodes and reduction together, measured against the frequency domain |
 | inextensible | 1 - error/tolerance, error of leaving EA out, measured in the frequency domain |
 
-Source: small-perturbation report on towed cables (criterion abs(V1) < V0); thresholds from nonlinear runs of a 120 m
-cable at 6 kn: the waveform of the top tension is 1, 5 and 10 % wrong at v/c = 0.042, 0.21 and 0.42.
+Source: small-perturbation report on towed cables, but for its criterion abs(V1) < V0, which is none on a vertical cable.
+The limit r is that of a 120 m cable at 6 kn, whose top tension is 1, 5 and 10 % wrong at v/c = 0.042, 0.21 and 0.42;
+on other tows 5 % is at v/c of 0.04 to 4. ``lumped/linearity.py`` finds the error of any tow and drive.
 """
 
 from __future__ import annotations

@@ -149,7 +149,7 @@ def test_margins_at_rest_and_beyond() -> None:
     margins = [v.name for v in instance.unit.observed if v.name.startswith("margin_")]
     rest = dict(zip(margins, get(instance, *margins)))
     assert {n for n, v in rest.items() if v == pytest.approx(1.0)} >= {
-        "margin_small_perturbation", "margin_slack", "margin_flow", "margin_quadrant", "margin_inextensible",
+        "margin_small_perturbation", "margin_slack", "margin_quadrant", "margin_inextensible",
     }  # fmt: skip
     assert rest["margin_resolution"] > 0.0
     sine(instance, "velocity_heave", 6.0, 0.0)

@@ -70,7 +70,8 @@ def test_step_operator_of_the_cable_alone_contracts() -> None:
 def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("tow_600ft")
     result = Master(scene, "half a foot of heave", flavour="python").run()
-    assert result.status == "done" and result.verdict.word == "valid"
+    # the mean depth shifts by 14 % of the body's heave
+    assert result.status == "done" and result.verdict.word == "marginal"
     tow = towing.scene_tows(scene)[0]
     omega = 2.0 * math.pi * 0.3
     columns = result.columns
@@ -117,8 +118,11 @@ def joined(scene: Scene) -> Scene:
 def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
     scene = Scene.load("tow_two_units")
     apart, whole = Master(scene, flavour="python").run(), Master(joined(scene), flavour="python").run()
-    assert apart.status == "done" and apart.verdict.word == "valid" and apart.scheme == "hermite"
-    assert whole.status == "done" and whole.verdict.word == "valid"
+    # the mean depth shifts by 13 % of the body's heave
+    assert apart.status == "done" and apart.verdict.word == "marginal" and apart.scheme == "hermite"
+    assert whole.status == "done" and whole.verdict.word == "marginal"
+    shifts = [next(item for item in run.verdict.items if item.name == "premises") for run in (apart, whole)]
+    assert shifts[0].number == pytest.approx(shifts[1].number, rel=0.02)
     omega = 2.0 * math.pi * 0.3
     heave, surge = (amplitude(apart.time, apart.columns[f"{n}.heave"], omega, 6) for n in ("ship", "surge"))
     assert abs(surge) > 0.5 * abs(heave)
@@ -144,7 +148,9 @@ def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
 def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("float_quadrant2")
     result = Master(scene, flavour="python").run()
-    assert result.status == "done" and result.verdict.word == "valid"
+    # the nonlinear cable's tension is 13 % off, of its amplitude, and the float 0.19 m deeper in the mean
+    assert result.status == "done" and result.verdict.word == "invalid"
+    assert result.verdict.number == pytest.approx(0.13, abs=0.01) and "0.19 m deeper" in result.verdict.reason
     tow = towing.scene_tows(scene)[0]
     omega = 2.0 * math.pi * 0.15
     columns = result.columns
@@ -162,7 +168,8 @@ def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
 def test_verdict_turns_where_the_theory_is_left() -> None:
     result = Master(Scene.load("tow_600ft"), "3 ft of heave", flavour="python").run()
     assert result.verdict.word == "invalid"
-    assert "margin_small_perturbation" in result.verdict.reason
+    assert result.verdict.reason.startswith("error of the linear model in the motion of the body of tow")
+    assert result.verdict.remedy == "take tow_cable_nonlinear"
 
 
 @pytest.mark.slow
@@ -182,10 +189,16 @@ def test_checks_send_a_rough_scene_to_the_nonlinear_unit() -> None:
     assert check.level == "warning" and "nonlinear is enough, the scene has linear" in check.message
 
 
+@pytest.mark.parametrize("name", ["float_quadrant2", "tow_two_units"])
+def test_what_only_the_run_tells_is_said_before_it(name: str) -> None:
+    (check,) = towing.before_run(Master(Scene.load(name), flavour="python").resolved)
+    assert check.level == "info" and check.value is None and "found after the run" in check.message
+
+
 def test_error_of_linearity_as_measured() -> None:
     tow = towing.scene_tows(Scene.load("tow_heavy_weather"))[0].tow
     omega = 0.4 * math.pi
-    # 9.6 % of the top tension's waveform at 1 m with 20 segments; 6 here
+    # 9.6 % of the top tension's waveform at 1 m by the nonlinear cable in time
     assert towing.linearity_error(tow, 1.0 * omega, omega, True) == pytest.approx(0.096, rel=0.2)
 
 
@@ -217,7 +230,8 @@ def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: 
 def test_long_scenes_run(name: str) -> None:
     scene = Scene.load(name)
     result = Master(scene, scene.cases[0].name if scene.cases else None, flavour="python").run()
-    assert result.status == "done" and result.verdict.word == "valid"
+    # 5 km: the error is 4.5 %, its bound above 5
+    assert result.status == "done" and result.verdict.word == ("marginal" if name == "tow_5km" else "valid")
 
 
 @pytest.mark.slow

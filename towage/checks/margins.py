@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from towage.checks.check import Cell, Check, Finished, Part
+from towage.checks.verdict import GRAVITY
 from towage.result.records import Finding, Item, Margin, Word
 
 if TYPE_CHECKING:
@@ -25,43 +27,48 @@ ERROR = re.compile(r"1 - error / (\d+(?:\.\d+)?) %.*?(?:; remedy: (.*))?$")
 
 
 def after(run: Finished) -> list[Finding]:
-    """Sets the result's ``margins``."""
+    """Adds what units say to the result's ``margins``, but where a check has found the error behind one."""
     import numpy as np
 
     result, shown = run.result, run.scene.scene.checks.report_only
+    known = {margin.variable for margin in result.margins}
     for name, values in result.columns.items():
         unit, variable = name.split(".", 1)
-        if variable.startswith("margin_") and len(values):
+        if variable.startswith("margin_") and len(values) and name not in known:
             k = int(np.argmin(values))
             told = run.scene.units[unit].description.by_name()[variable].description
-            bound = error_of(float(values[k]), told)
-            result.margins.append(Margin(name, float(values[k]), float(result.time[k]), name not in shown, *bound))
+            margin = Margin(name, float(values[k]), float(result.time[k]), name not in shown)
+            result.margins.append(with_error(margin, told))
     return []
 
 
-def error_of(worst: float, description: str) -> tuple[float | None, float | None, str]:
-    """(error, limit, both relative; remedy) of a margin's smallest value, by its variable's description."""
+def with_error(margin: Margin, description: str) -> Margin:
+    """The margin with error, limit and remedy, where its variable's description names the error that it bounds."""
     found = ERROR.search(description)
     if not found:
-        return None, None, ""
+        return margin
     limit = 0.01 * float(found[1])
-    return (1.0 - worst) * limit, limit, found[2] or ""
+    return replace(margin, error=(1.0 - margin.worst) * limit, limit=limit, remedy=found[2] or "")
 
 
 def item_of(margins: Sequence[Margin]) -> Item | None:
-    """What margins say to the verdict: invalid where one that decides is negative; None if none decides."""
-    worst = min((margin for margin in margins if margin.decides), key=lambda margin: margin.worst, default=None)
-    if worst is None:
-        return None
-    if worst.error is not None and worst.limit is not None:
-        percent = f"{100.0 * worst.error:.3g} %, limit {100.0 * worst.limit:.3g} %"
-        at = f"{worst.variable} at t = {worst.time:.4g} s: error up to {percent}"
-        word: Word = "invalid" if worst.worst < 0.0 else "valid"
-        return Item(word, at, worst.error, worst.limit, worst.time, worst.remedy, PREMISES)
-    if worst.worst < 0.0:
-        reason = f"{worst.variable} is negative at t = {worst.time:.4g} s"
-        return Item("invalid", reason, worst.worst, 0.0, worst.time, name=PREMISES)
-    return Item("valid", f"smallest margin is {worst.variable}", worst.worst, 0.0, worst.time, name=PREMISES)
+    """What margins say to the verdict: the gravest of those that decide, the smallest of equals; None if none decides."""
+    deciding = [margin for margin in margins if margin.decides]
+    return said(min(deciding, key=lambda margin: (GRAVITY.index(said(margin).word), margin.worst))) if deciding else None
+
+
+def said(margin: Margin) -> Item:
+    """What one margin says: by the error behind it, where that is known, else invalid where it is negative."""
+    m = margin
+    if m.word:
+        return Item(m.word, m.reason, m.error, m.limit, m.time, m.remedy, PREMISES)
+    word: Word = "invalid" if m.worst < 0.0 else "valid"
+    if m.error is not None and m.limit is not None:
+        percent = f"{100.0 * m.error:.3g} %, limit {100.0 * m.limit:.3g} %"
+        at = f"{m.variable} at t = {m.time:.4g} s: error up to {percent}"
+        return Item(word, at, m.error, m.limit, m.time, m.remedy, PREMISES)
+    reason = f"{m.variable} is negative at t = {m.time:.4g} s" if m.worst < 0.0 else f"smallest margin is {m.variable}"
+    return Item(word, reason, m.worst, 0.0, m.time, name=PREMISES)
 
 
 def report(result: Result) -> list[Part]:

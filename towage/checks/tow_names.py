@@ -1,6 +1,7 @@
 """The names that the check of tows and its numbers share."""
 
-UNITS = ("tow_system", "tow_cable", "tow_cable_nonlinear")
-"""The units that tow."""
+LINEAR = ("tow_system", "tow_cable")
+UNITS = (*LINEAR, "tow_cable_nonlinear")
+"""The units that tow, and those of small perturbations."""
 SPRING = "spring EA/L"
 """The finding on the simplest model of a tow."""

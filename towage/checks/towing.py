@@ -2,25 +2,22 @@
 
 Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
 the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
-tolerance: errors of segments and reduction against the frequency domain, error of linearity by a short run of the
-nonlinear cable, as the largest difference of the top tension's waveform over its linear amplitude. `after_run` judges
-the simplest model of all, one degree of freedom on a spring.
+tolerance: errors of segments and reduction against the frequency domain, error of linearity by the nonlinear equations
+(``models/cable/lumped/linearity.py``). `after_run` judges the simplest model of all, one degree of freedom on a spring.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from towage.checks.tow_names import SPRING, UNITS
+from towage.checks.tow_names import LINEAR, SPRING, UNITS
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
-from towage.models.cable.lumped.linear import tow_elastic
-from towage.models.cable.lumped.nonlinear import nonlinear_cable
+from towage.models.cable.lumped.linearity import regular
 from towage.models.cable.parameters import TowParameters, tow_of
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import mesh, responses
@@ -32,10 +29,6 @@ from towage.units.description import Value
 from towage.units.store import locator
 
 DEFAULT_TOLERANCE = 0.05
-PROBE_SEGMENTS, PROBE_STEPS, PROBE_PERIODS = 6, 40, 7
-"""The short nonlinear run: both models have these segments, so only linearity differs."""
-STIFF = 500.0
-"""EA over the tension at the body where EA is not known."""
 
 
 @dataclass(frozen=True)
@@ -130,26 +123,9 @@ def spring_gain(tow: Tow, omega: float) -> float | None:
 
 
 def linearity_error(tow: Tow, velocity: float, omega: float, quadratic_drag: bool) -> float:
-    """Largest error of the linear top tension over its amplitude, over a period, for a towpoint that heaves with this
-    velocity amplitude, m/s. Raises `CableError` where the nonlinear run fails."""
-    if not math.isfinite(tow.cable.axial_stiffness):
-        tow = replace(tow, cable=replace(tow.cable, axial_stiffness=STIFF * tow.end_tension))
-    cable, linear = nonlinear_cable(tow, PROBE_SEGMENTS, quadratic_drag), tow_elastic(tow, PROBE_SEGMENTS)
-    step = 2.0 * math.pi / omega / PROBE_STEPS
-    total = PROBE_PERIODS * PROBE_STEPS
-
-    def motion(t: float) -> Any:
-        s = min(1.0, t / (3 * PROBE_STEPS * step))
-        return np.array([0.0, velocity * s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * math.cos(omega * t), 0.0, 0.0])
-
-    state, truth = cable.start(), []
-    for k in range(total):
-        state = cable.step(k * step, step, state, motion)
-        truth.append(cable.tensions(state)[-1])
-    times = step * np.arange(1, total + 1)[-PROBE_STEPS:]
-    gain = complex(linear.response(omega, np.array([0.0, velocity, 0.0, 0.0]))[7 + PROBE_SEGMENTS])
-    wave = (gain * np.exp(-1j * omega * times)).real + cable.chain.tension[-1]
-    return float(np.abs(np.array(truth[-PROBE_STEPS:]) - wave).max() / abs(gain))
+    """Error of the linear model's tensions and body motion, the largest over its amplitude, for a towpoint that always heaves
+    with this velocity amplitude, m/s. Raises `CableError` where it cannot be found."""
+    return regular(tow, quadratic_drag, np.array([0.0, velocity, 0.0, 0.0]), omega).error
 
 
 def tolerance_of(scene: Scene) -> float:
@@ -159,9 +135,19 @@ def tolerance_of(scene: Scene) -> float:
 
 
 def before_run(resolved: ResolvedScene) -> list[Finding]:
-    """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones."""
+    """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones; where only the run will tell what
+    drives it, that."""
     tolerance = tolerance_of(resolved.scene)
-    return [_fidelity(t, t.drive, tolerance) for t in tows(resolved) if t.drive and t.unit != "tow_cable"]
+    return [
+        _fidelity(t, t.drive, tolerance) if t.drive and t.unit != "tow_cable" else _later(t, tolerance)
+        for t in tows(resolved)
+        if t.unit in LINEAR or t.drive
+    ]
+
+
+def _later(tow: SceneTow, tolerance: float) -> Finding:
+    message = "the error of the linear model is found after the run, for the drive that the run has"
+    return Finding(f"fidelity of {tow.name}", "info", None, tolerance, message)
 
 
 def after_run(resolved: ResolvedScene) -> list[Finding]:

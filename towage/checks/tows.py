@@ -1,14 +1,18 @@
-"""The check of the tows in a scene: is the model fine enough before the run, does a spring EA/L stand for the cable after it?
+"""The check of the tows in a scene: is the model fine enough before the run; how far is a linear one off, and does a spring
+EA/L stand for the cable, after it?
 
-The numbers are in `towing`, whose models take long to import: only a scene with a tow pays for them.
+The numbers are in `towing` and `linearity`, whose models take long to import: only a scene with a tow pays for them.
 """
 
 from __future__ import annotations
+
+from pathlib import Path
 
 from towage.checks.check import Check, Finished, Start, told
 from towage.checks.tow_names import SPRING, UNITS
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
+from towage.scene.scene import Scene
 
 
 def has_tow(scene: ResolvedScene) -> bool:
@@ -25,18 +29,26 @@ def before(start: Start) -> list[Finding]:
     return towing.before_run(start.scene)
 
 
+def reads(scene: Scene) -> tuple[str, ...]:
+    """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body."""
+    kinds = {*UNITS, "towed_body"}
+    ends = (text.split(" -> ") for text in scene.connections)
+    return tuple(source for source, target in ends if Path(scene.units[target.split(".")[0]].fmu).stem in kinds)
+
+
 def after(run: Finished) -> list[Finding]:
-    """Whether one degree of freedom on a spring EA/L stands for every tow."""
+    """The error of every linear tow, as its margin; whether one degree of freedom on a spring EA/L stands for every tow."""
     if not has_tow(run.scene):
         return []
-    from towage.checks import towing
+    from towage.checks import linearity, towing
 
-    return towing.after_run(run.scene)
+    return [*linearity.judge(run), *towing.after_run(run.scene)]
 
 
 CHECK = Check(
     name="towing",
-    description="Which model does a tow need, and would a spring do?",
+    description="Which model does a tow need, how far is a linear one off, and would a spring do?",
+    reads=reads,
     before=before,
     after=after,
     summary=lambda result: told(result, SPRING),

@@ -175,7 +175,7 @@ def judged(run: Finished, line: Line, settle: float, tolerance: float) -> Findin
     variable = f"{line.name}.{MARGIN}"
     decides = variable not in run.scene.scene.checks.report_only
     run.result.margins.append(
-        Margin(variable, 1.0 - cost.error / tolerance, cost.time, decides, cost.error, tolerance, remedy)
+        Margin(variable, 1.0 - cost.error / tolerance, cost.time, decides, error=cost.error, limit=tolerance, remedy=remedy)
     )
     return Finding(NAME, "warning" if beyond else "ok", cost.error, tolerance, f"{line.name}: {facts}", remedy)
 

@@ -36,12 +36,15 @@ class Finding:
 class Margin:
     """Smallest value of a margin and when, s; 1 at rest, 0 at the limit of validity. ``decides``: it can make a run
     invalid, otherwise it is shown only. A margin that bounds an error is 1 - error/limit: ``error`` and ``limit`` are
-    relative, None of others; ``remedy``: what can be done where it is negative."""
+    relative, None of others; ``remedy``: what can be done where it is negative. A check may give it a ``word`` with its
+    ``reason``; else the sign of ``worst`` tells."""
 
     variable: str
     worst: float
     time: float
     decides: bool
+    word: Word | Literal[""] = ""
+    reason: str = ""
     error: float | None = None
     limit: float | None = None
     remedy: str = ""

@@ -12,10 +12,12 @@ the master are its coupling error; what it refuses for its step alone is not ref
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
 from towage.checks.margins import item_of
+from towage.checks.tow_names import LINEAR
 from towage.checks.verdict import verdict
 from towage.ensemble.ensemble import Members, measures
 from towage.errors import SceneError
@@ -70,17 +72,20 @@ def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int
     judged = verdict([item_of(margins)])
     if judged.word == "invalid":
         return judged.word, f"{min((m for m in margins if m.decides), key=lambda m: m.worst).variable} is negative"
-    if _left_out(scene):
-        return "not judged", "no margin that decides is negative; the comparison needs a second run"
+    if left := _left_out(scene):
+        return "not judged", f"no margin that decides is negative; left out: the {left}"
     return judged.word, judged.reason
 
 
 def _left_out(scene: Scene) -> str:
-    """The checks that the scene asks for, none of which an ensemble makes; empty without any."""
+    """The checks that the scene asks for or its tows need, none of which an ensemble makes; empty without any."""
     known = {"sdof": "SDOF comparison", "simpler": "comparison with the simpler model"}
     asked = scene.checks.sections
     names = [*(name for name in known if name in asked), *(name for name in asked if name not in known)]
-    return " and the ".join(known.get(name, f"check {name}") for name in names)
+    asking = [known.get(name, f"check {name}") for name in names]
+    if any(Path(unit.fmu).stem in LINEAR for unit in scene.units.values()):
+        asking.append("error of the linear tow")
+    return " and the ".join(asking)
 
 
 def _note(scene: Scene, members: Members) -> str:
@@ -91,6 +96,6 @@ def _note(scene: Scene, members: Members) -> str:
         f"path and differ by at most {worst:.1e} of a variable's largest value."
     )
     left = _left_out(scene)
-    absent = f" The {left}: left out, as a second run of every point is needed (--engine runs)." if left else ""
+    absent = f" The {left}: left out, as more than one computation of every point is needed (--engine runs)." if left else ""
     rest = "The check wire (mass of a line), counts of events, attractors and coupling errors: left out too (--engine runs)."
     return f"{made}{absent} {rest}"

@@ -24,9 +24,9 @@ from ..case import CableError, Tow
 from ..steady.perturbation import Excitation, Response
 from ..steady.response import mesh, responses
 from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
+from .lumped import MOST, hanging
 from .reduction import reduce, relative_error
 
-FEWEST, MOST = 6, 120
 LEAST_SHARE = 0.25
 """Share of the tolerance that is left to the reduction, whatever the segments took."""
 UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(drag=-1.0), Excitation(lift=1.0)]
@@ -84,7 +84,7 @@ def choose(
     exact = exact_gains(tow_used, frequencies)
     counted = 2 if with_body and tow.quadrant == 1 else 4
     target = tolerance if not reduced else 0.6 * tolerance
-    count = nodes or 10
+    count = nodes or hanging(tow_used).count
     for _ in range(5):
         model = build(tow_used, count)
         gains = np.array([_gains(model, omega) for omega in frequencies])

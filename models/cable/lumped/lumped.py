@@ -32,6 +32,8 @@ ITERATIONS = 16
 """Of Newton's method for the angle of a segment: 12 leave rounding in 400 tows of any proportion."""
 BALANCE = 1e-9
 """Largest force across a segment over the forces on it in equilibrium; rounding leaves 1e-15."""
+FEWEST, MOST = 10, 120
+"""Segments to begin with, and at most, where nobody says how many."""
 OUTSIDE = "leaves the quadrant or is slack: expected more segments, or a tow whose steady shape stays inside"
 
 
@@ -95,6 +97,17 @@ def equilibrium(tow: Tow, count: int) -> Chain:
     if len(bad):
         raise CableError(f"segment {bad[0]} of {count} {OUTSIDE}")
     return chain
+
+
+def hanging(tow: Tow, fewest: int = FEWEST) -> Chain:
+    """The discrete equilibrium with the fewest segments, ``fewest`` times a power of 2, that hang inside the quadrant: a few do
+    not where a light body hangs on a long cable. Raises `CableError` where none up to `MOST` does."""
+    for doublings in range(int(math.log2(MOST / fewest))):
+        try:
+            return equilibrium(tow, fewest << doublings)
+        except CableError:
+            continue
+    return equilibrium(tow, MOST)
 
 
 def hang(tow: Tow, count: int, ops: MatrixOps) -> Chain:

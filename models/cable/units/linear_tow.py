@@ -30,17 +30,14 @@ EXTRA = "segment_tension", local("N", "Tension of a segment, the first at the bo
 
 
 class Constants(NamedTuple):
-    """What follows from the parameters: steady tensions of the segments and at the ends, N, cosine and sine of the cable's
-    angle at the towpoint, rad of turn there a unit of its row of y, position of the body from the towpoint, m, ``direct``:
+    """What follows from the parameters: steady tensions of the segments and at the ends, N, position of the body from the
+    towpoint, m, ``direct``:
     the unit's own matrix (2, 2) of the force at once, row by row; then what `Study` counts and finds; and what equilibrium
     demands: least tension, N, largest force across a segment over the forces on it."""
 
     steady_tension: tuple[Value, ...]
     tension_body: Value
     tension_top: Value
-    top_cosine: Value
-    top_sine: Value
-    top_turn: Value
     body_surge: Value
     body_heave: Value
     direct: tuple[Value, ...]
@@ -66,8 +63,7 @@ def setup_of(model: StateSpace, direct: Any, measured: Value, ops: MatrixOps) ->
     top = ops.scalars.sqrt(x * x + y * y)
     offset = ops.elements(chain.nodes[n, :])
     constants = Constants(
-        ops.elements(chain.tension), tow.end_tension, top, -tow.sign * x / top, -tow.sign * y / top,
-        -tow.sign * room[n - 1], -offset[0], -offset[1],
+        ops.elements(chain.tension), tow.end_tension, top, -offset[0], -offset[1],
         (*ops.elements(direct[0, :]), *ops.elements(direct[1, :])), measured, float(n), float(model.a.shape[0]), 0.0, 0.0,
         chain.least[n - 1], chain.imbalance[n - 1],
     )  # fmt: skip
@@ -121,12 +117,6 @@ def extreme(values: Sequence[Value], which: Callable[..., Any], ops: Ops) -> Val
     """The ``max`` or ``min`` of ``values``."""
     # for floats what `reduce` gives, at a tenth of the time
     return which(values) if ops is FLOATS else reduce(ops.maximum if which is max else ops.minimum, values)
-
-
-def flow_margin(y: Sequence[Value], surge: Value, heave: Value, speed: Value, c: Constants, ops: Ops) -> Value:
-    """1 - |V1|/V0 at the towpoint, for its velocity (surge, heave), m/s; the cable turns there with its last segment."""
-    change = surge * c.top_cosine + heave * c.top_sine - speed * c.top_turn * y[-1] * c.top_sine
-    return 1.0 - ops.abs(change) / (speed * ops.maximum(ops.abs(c.top_cosine), 1e-6))
 
 
 def speed_margin(surge: Value, heave: Value, speed: Value, limit: Value, ops: Ops) -> Value:

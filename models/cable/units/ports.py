@@ -54,7 +54,6 @@ MarginSmallPerturbation = Annotated[
     Value, margin("1 - v / (perturbation_limit c), v the speed of the towpoint", also=EVERY_INPUT)
 ]
 MarginSlack = Annotated[Value, margin("1 - max |T1| / T0 over the segments", also=EVERY_INPUT)]
-MarginFlow = Annotated[Value, margin("1 - |V1| / V0 at the towpoint, V the flow along the cable", also=EVERY_INPUT)]
 MarginQuadrant = Annotated[
     Value, margin("1 - share of the way to the stream's direction that a segment has turned", also=EVERY_INPUT)
 ]

@@ -106,7 +106,6 @@ class Outputs(NamedTuple):
     ]
     margin_small_perturbation: ports.MarginSmallPerturbation
     margin_slack: ports.MarginSlack
-    margin_flow: ports.MarginFlow
     margin_quadrant: ports.MarginQuadrant
     margin_resolution: ports.MarginResolution
     reaction_surge_rate: Rate
@@ -221,8 +220,7 @@ def observe(
     return Outputs(
         -row.force_surge, -row.force_heave, row.body_surge, row.body_heave, constants.tension_top + row.tension_top,
         constants.tension_body + row.tension_body, own.offset_surge, own.offset_heave, ops.minimum(top, body), slack,
-        linear_tow.flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
-        1.0 - constants.model_error / p.tolerance, -rate.force_surge, -rate.force_heave, rate.body_surge,
+        quadrant, 1.0 - constants.model_error / p.tolerance, -rate.force_surge, -rate.force_heave, rate.body_surge,
         rate.body_heave, rate.tension_top,
     ), tensions  # fmt: skip
 

@@ -89,7 +89,6 @@ class Outputs(NamedTuple):
     body_velocity_heave: Annotated[Value, ports.BODY_VELOCITY_HEAVE]
     margin_small_perturbation: ports.MarginSmallPerturbation
     margin_slack: ports.MarginSlack
-    margin_flow: ports.MarginFlow
     margin_quadrant: ports.MarginQuadrant
     margin_resolution: ports.MarginResolution
     margin_inextensible: Annotated[Value, margin("1 - inextensible_error / tolerance")]
@@ -216,7 +215,7 @@ def observe(
         constants.tension_body + row.tension_body, own.towpoint_surge + row.offset_surge,
         own.towpoint_heave + row.offset_heave, row.body_surge, row.body_heave,
         linear_tow.speed_margin(surge, heave, p.tow_speed, p.perturbation_limit, ops), slack,
-        linear_tow.flow_margin(y, surge, heave, p.tow_speed, constants, ops), quadrant,
+        quadrant,
         1.0 - constants.model_error / p.tolerance, 1.0 - constants.inextensible_error / p.tolerance,
         -rate.force_surge, -rate.force_heave, rate.tension_top, rate.offset_surge + surge, rate.offset_heave + heave,
         rate.body_surge, rate.body_heave,
