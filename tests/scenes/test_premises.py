@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import towage
-from towage.checks.margins import error_of, item_of
+from towage.checks.margins import item_of, with_error
 from towage.errors import SceneError
 from towage.report.page import text_summary
 from towage.result.records import Item, Margin
@@ -147,11 +147,12 @@ def test_the_own_weight_counts_against_the_breaking_load() -> None:
     ],
 )
 def test_a_margin_in_units_of_an_error_tells_it(worst: float, description: str, told: tuple[Any, ...]) -> None:
-    assert error_of(worst, description) == pytest.approx(told)
+    margin = with_error(Margin("a.margin_x", worst, 0.0, True), description)
+    assert (margin.error, margin.limit, margin.remedy) == pytest.approx(told)
 
 
 def test_the_card_shows_error_limit_time_and_remedy() -> None:
-    told = item_of([Margin("a.margin_x", -1.0, 3.0, True, 0.1, 0.05, "go slower"), Margin("a.margin_y", 0.3, 0.0, True)])
+    told = item_of([Margin("a.margin_x", -1.0, 3.0, True, error=0.1, limit=0.05, remedy="go slower"), Margin("a.margin_y", 0.3, 0.0, True)])
     assert told == Item(
         "invalid", "a.margin_x at t = 3 s: error up to 10 %, limit 5 %", 0.1, 0.05, 3.0, "go slower", "premises"
     )
