@@ -10,6 +10,8 @@
 | W | static tension: the weight in water it carries at rest | N |
 | x, y | heave of the upper and the lower end from the static equilibrium, positive up | m |
 
+With ``never_slack`` the line pushes too, T = K e: the spring of the linear theories.
+
 Assumptions: (1) stretch proportional to load; (2) no mass, no drag of its own; (3) the travel time L/c of a wave along
 it is short against the motion (`margin_propagation`); (4) no memory: taut again without impact.
 
@@ -52,6 +54,10 @@ class Elasticity:
         Value,
         parameter("m/s", 0.0, "Speed of longitudinal waves along the line; 0: not known", display="ft/s", min=0.0),
     ]
+    never_slack: Annotated[
+        Value,
+        parameter("1", 0.0, "1: the line pushes too, as in theories without slack; 0: it goes slack", min=0.0, max=1.0),
+    ]
     freeze_branches: FreezeBranches
 
 
@@ -83,7 +89,7 @@ class Inputs(NamedTuple):
     ]
 
 
-Tension = Annotated[Value, output("N", "Tension, never negative", display="lbf")]
+Tension = Annotated[Value, output("N", "Tension, negative only with never_slack", display="lbf")]
 Reaction = Annotated[
     Value, output("N", "Excess of the pull over its static value, down on the upper end", display="lbf")
 ]
@@ -95,7 +101,7 @@ MarginPropagation = Annotated[
     Value, margin("1 - (L/c) |dT/dt| / (0.4 W), L/c the travel time of a wave along the line")
 ]
 EventTaut = Annotated[
-    Value, local("m", "Stretch beyond the unstretched length; the line is taut where it is positive")
+    Value, local("m", "Stretch beyond the unstretched length, 1 if never slack; the line is taut where it is positive")
 ]
 Taut = Annotated[Value, local("1", "Branch in force: 1 taut, 0 slack", discrete=True)]
 
@@ -152,6 +158,11 @@ def pull(e: Value, taut: Value, k: Value, freeze_branches: Value, ops: Ops) -> V
     return k * ops.where(freeze_branches > 0.5, taut * e, ops.maximum(e, 0.0))
 
 
+def room(e: Value, p: Elasticity, ops: Ops) -> Value:
+    """What must be positive for the line to be taut, m: the stretch, or 1 where it never goes slack."""
+    return ops.where(p.never_slack > 0.5, 1.0, e)
+
+
 def margins(
     tension: Value, tension_rate: Value, e: Value, k: Value, weight: Value, p: Elasticity, ops: Ops
 ) -> tuple[Value, Value, Value]:
@@ -201,19 +212,21 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     k = stiffness(p, ops)
     e = stretch(u.heave_top, u.heave_bottom, p.static_tension, k)
     e_rate = du.heave_top - du.heave_bottom
-    branch = ops.where(p.freeze_branches > 0.5, m.taut, ops.where(e > 0.0, 1.0, 0.0))
-    tension = pull(e, branch, k, p.freeze_branches, ops)
+    left = room(e, p, ops)
+    branch = ops.where(p.freeze_branches > 0.5, m.taut, ops.where(left > 0.0, 1.0, 0.0))
+    tension = pull(e, branch, k, ops.maximum(p.freeze_branches, p.never_slack), ops)
     rate = branch * k * e_rate
     taut, breaking, propagation = margins(tension, rate, e, k, p.static_tension, p, ops)
     return Outputs(
-        tension, tension - p.static_tension, e, taut, breaking, propagation, rate, rate, e, e_rate, branch
+        tension, tension - p.static_tension, e, taut, breaking, propagation, rate, rate, left,
+        ops.where(p.never_slack > 0.5, 0.0, e_rate), branch,
     )  # fmt: skip
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """The branch at a communication point: taut where the stretch is positive."""
     e = stretch(u.heave_top, u.heave_bottom, p.static_tension, stiffness(p, ops))
-    return x, Modes(ops.where(e > 0.0, 1.0, 0.0))
+    return x, Modes(ops.where(room(e, p, ops) > 0.0, 1.0, 0.0))
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
