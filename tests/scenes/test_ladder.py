@@ -14,12 +14,13 @@ import pytest
 from msgspec import structs
 
 import towage
-from towage.checks.signals import Difference, difference
+from towage.checks.signals import Difference, component, difference
 from towage.checks.track import Track
 from towage.cli import main
 from towage.errors import SceneError
 from towage.ladder import simplest as ladders
 from towage.ladder.axis import Level, Seen, Trial, Unfit, moved
+from towage.ladder.lift import wire
 from towage.ladder.measure import asked, bare
 from towage.ladder.report import document, markdown, text, write_report
 from towage.ladder.rungs import Rung, axes_of, rungs_of
@@ -147,6 +148,36 @@ def test_levels_that_do_not_fit_say_why() -> None:
         base = trial(name, case, {"line.length": "100 ft", "line.wave_speed": "3000 ft/s"} if name == "slack" else None)
         found = [r.reason for r in rungs_of(base, axes_of(base)[0]) if not r.trial]
         assert (any(reason in text for text in found) and len(found) <= 2) if reason else not found
+
+
+def test_a_wire_is_an_elastic_bar() -> None:
+    """150 t and 100 t of water on 3000 m of 45 kg/m, EA = 5e8 N, 10 s: steady motion of the load and top tension a metre of
+    the ship against the bar with a mass at its end, u = cos kx + B sin kx, EA u'(L) = m omega^2 u(L)."""
+    omega, length, speed, extension, mass = 2.0 * math.pi / 10.0, 3000.0, 1e4 / 3.0, 5e8, 250e3
+    ship = {"heave_amplitude": 0.2, "heave_period": 10.0, "ramp_time": 100.0, "mass": 3e7, "stiffness": 2e7, "damping": 5e6}
+    line = {"axial_stiffness": extension, "length": length, "wave_speed": speed, "static_tension": "= load.weight_in_water"}
+    scene = Scene.from_dict({
+        "title": "A manifold", "stop_time": 300.0, "coupling": {"step": 0.1},
+        "connections": ["ship.heave -> line.heave_top", "load.heave -> line.heave_bottom", "line.tension -> load.line_tension"],
+        "units": {
+            "ship": {"fmu": "ship", "parameters": ship}, "line": {"fmu": "spring_line", "parameters": line},
+            "load": {"fmu": "cradle", "parameters": {"mass": 150e3, "added_mass": 100e3, "weight_in_water": 1.28e6}},
+        },
+    })  # fmt: skip
+    time = np.linspace(0.0, 300.0, 3001)
+    heave = {"ship.heave": 0.2 * np.sin(omega * time), "line.tension": np.full_like(time, 1e6)}
+    made = wire(Trial(scene, {"line.tension": "line.tension"}, Seen(Track(time, heave), 200.0), locator()))
+    assert made.names == {"line.tension": "line.tension_top"}
+    run = towage.run(bare(made.scene))
+    late = run.time >= 200.0
+    top, load, tension = (
+        abs(component(run.time[late], run[name][late], omega)) for name in ("ship.heave", "load.heave", "line.tension_top")
+    )
+    k = omega / speed
+    cos, sin, stiff, inertia = math.cos(k * length), math.sin(k * length), extension * k, mass * omega**2
+    b = (inertia * cos + stiff * sin) / (stiff * cos - inertia * sin)
+    assert (cos + b * sin, stiff * b) == pytest.approx((3.531, 472.55e3), rel=2e-4)  # another's solution of the same bar
+    assert (load / top, tension / top) == pytest.approx((cos + b * sin, stiff * b), rel=3e-3)  # segments, and what still rings
 
 
 def test_drag_without_drag_is_not_linearised() -> None:

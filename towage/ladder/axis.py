@@ -46,6 +46,12 @@ class Seen(NamedTuple):
         count = int((time >= self.settle).sum())
         return self.track.at(name, np.linspace(self.settle, time[-1], max(count, 2)))
 
+    def spread(self, name: str) -> tuple[float, float]:
+        """(standard deviation of the output, of its rate a second), from which a mean frequency follows."""
+        values = self.settled(name)
+        rate = np.gradient(values, (float(self.track.time[-1]) - self.settle) / (len(values) - 1))
+        return float(values.std()), float(rate.std())
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -56,6 +62,12 @@ class Trial:
     names: Mapping[str, str]
     seen: Seen
     locate: Locate
+
+    def showing(self, margins: tuple[str, ...]) -> Trial:
+        """With margins, "unit.margin_...", that are shown and do not decide."""
+        checks = self.scene.checks
+        shown = tuple(dict.fromkeys((*checks.report_only, *margins)))
+        return replace(self, scene=structs.replace(self.scene, checks=structs.replace(checks, report_only=shown)))
 
     @cached_property
     def resolved(self) -> ResolvedScene:
@@ -82,10 +94,13 @@ class Trial:
 
     def rebuilt(self, units: Mapping[str, UnitEntry], connections: list[str], names: Mapping[str, str]) -> Trial:
         """Of other units: ``names`` as of a trial, for those outputs that are called otherwise now. Tables of checks and of
-        the record, which name what is gone, are left out, and references between units become numbers."""
+        the record, and margins of units that changed, are left out, and references between units become numbers."""
         scene = self.scene.without_comparisons()
         numbers = {name: self._numbers(name, unit) for name, unit in units.items()}
-        checks, record = structs.replace(scene.checks, report_only=()), structs.replace(scene.record, variables=None)
+        old = self.scene.units
+        kept = {name for name, unit in units.items() if name in old and old[name].fmu == unit.fmu}
+        shown = tuple(name for name in scene.checks.report_only if name.partition(".")[0] in kept)
+        checks, record = structs.replace(scene.checks, report_only=shown), structs.replace(scene.record, variables=None)
         scene = structs.replace(scene, units=numbers, connections=tuple(connections), checks=checks, record=record)
         return replace(self, scene=scene, names={given: names.get(here, here) for given, here in self.names.items()})
 

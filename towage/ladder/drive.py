@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
 from msgspec import structs
 
 from towage.ladder.axis import Axis, Level, Trial, Unfit, ends, entry
@@ -26,10 +25,7 @@ def regular(trial: Trial) -> Trial:
     """Every ship in an irregular sea as one in a regular wave; units that told her of the sea go."""
     units, connections = dict(trial.scene.units), list(trial.scene.connections)
     for ship in trial.units("ship_in_sea"):
-        heave = trial.seen.settled(f"{ship.name}.free_heave")
-        time = trial.seen.track.time
-        rate = np.gradient(heave, (time[-1] - trial.seen.settle) / (len(heave) - 1))
-        spread, speed = float(heave.std()), float(rate.std())
+        spread, speed = trial.seen.spread(f"{ship.name}.free_heave")
         if not (spread and speed):
             raise Unfit(f"{ship.name} does not move in the run of the scene, so that no regular wave stands for its sea")
         given = trial.scene.units[ship.name].parameters

@@ -4,7 +4,9 @@ Linear drag has the energy loss of the quadratic drag over the run of the scene 
 harmonic motion Lorentz's 8 b omega A/(3 pi)).
 
 An elastic wire is a `tow_cable` that hangs nearly still: it carries waves, and weighs. Its mass per length follows from
-EA/c^2, c the speed of waves along the line; its density is taken for that of steel.
+EA/c^2, c the speed of waves along the line; its density is taken for that of steel. N segments shift omega L/c by about
+(omega L/(c N))^2/24, so that six a radian leave 1e-3. Its margins that compare with the tow speed, or count transverse modes,
+which heave does not excite, are shown and do not decide.
 """
 
 from __future__ import annotations
@@ -18,6 +20,10 @@ from towage.models.protocol.physical import GRAVITY
 LINES, BODIES = ("spring_line", "cradle_on_line"), ("cradle", "cradle_on_line")
 STEEL = 7850.0
 """kg/m3; matters for the weight of the wire alone."""
+SEGMENTS, A_RADIAN = 20.0, 6.0
+"""Segments of a wire, and of each radian of omega L/c, at least."""
+NOT_OF_A_WIRE = ("margin_small_perturbation", "margin_flow", "margin_resolution")
+"""Margins that mean nothing for a wire that hangs."""
 HANGING = 0.05
 """Tow speed of a cable that hangs, m/s: `tow_cable` refuses none at all."""
 
@@ -66,6 +72,7 @@ def wire(trial: Trial) -> Trial:
         "axial_stiffness": extension, "body_mass": trial.value(body, "mass"),
         "body_added_mass_surge": trial.value(body, "added_mass"), "body_added_mass_heave": trial.value(body, "added_mass"),
         "body_weight_in_water": trial.value(body, "weight_in_water"), "body_drag": 0.0, "reduced": 0.0,
+        "segments": _segments(trial, ship, length / speed),
     }  # fmt: skip
     units = dict(trial.scene.units)
     units[line] = entry("tow_cable", parameters, {"top_velocity_surge": 0.0, "body_velocity_surge": 0.0})
@@ -76,7 +83,14 @@ def wire(trial: Trial) -> Trial:
         if not target.startswith(f"{line}.")
     ]  # fmt: skip
     connections += [f"{ship}.velocity -> {line}.top_velocity_heave", f"{body}.velocity -> {line}.body_velocity_heave"]
-    return trial.rebuilt(units, connections, {f"{line}.tension": f"{line}.tension_top"})
+    made = trial.rebuilt(units, connections, {f"{line}.tension": f"{line}.tension_top"})
+    return made.showing(tuple(f"{line}.{margin}" for margin in NOT_OF_A_WIRE))
+
+
+def _segments(trial: Trial, ship: str, travel: float) -> float:
+    """How many for waves that take ``travel``, s, along the wire, at the mean frequency of the ship's heave."""
+    heave, rate = trial.seen.spread(f"{ship}.heave")
+    return max(SEGMENTS, math.ceil(A_RADIAN * rate / heave * travel)) if heave else SEGMENTS
 
 
 def _hanging(trial: Trial) -> tuple[str, str]:
