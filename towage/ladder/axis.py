@@ -79,9 +79,11 @@ class Trial:
         return [unit for unit in self.resolved.units.values() if unit.description.model_name in models]
 
     def value(self, unit: str, name: str) -> float:
-        """A parameter or a constant input of a unit, SI."""
+        """A parameter or a constant input of a unit, SI. Raises `Unfit` for a unit without it."""
         found = self.resolved.units[unit]
-        return float(found.parameters.get(name, found.description.by_name()[name].start or 0.0))
+        if not (variable := found.description.by_name().get(name)):
+            raise Unfit(f"{unit} has no {name}: its FMU is of another version")
+        return float(found.parameters.get(name, variable.start or 0.0))
 
     def is_input(self, unit: str, name: str) -> bool:
         """Whether a variable of a unit is an input."""

@@ -33,8 +33,8 @@ from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.units.store import locator
 
-EQUAL = 1.25
-"""Costs closer than this factor are equal: the processor times of one run differ by as much."""
+EQUAL = 1.5
+"""Costs closer than this factor are equal: on a busy machine the processor times of one run differ by as much."""
 
 @dataclass(frozen=True)
 class Ladder:
