@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+import numpy as np
 from msgspec import structs
 
 from towage.checks.error import judged_names
@@ -73,6 +74,14 @@ def coarse(scene: Scene) -> Scene:
         return structs.replace(scene, coupling=structs.replace(coupling, tolerance=10.0 * coupling.tolerance))
     coupling = structs.replace(coupling, step=2.0 * coupling.step)
     return structs.replace(scene, coupling=coupling, record=structs.replace(record, interval=None))
+
+
+def of_both(asked: Asked, step: float | None) -> Asked:
+    """At the points that a run with ``step``, s, shares with one of the doubled step, so that neither is interpolated."""
+    if step is None:
+        return asked
+    count = asked.times / (2.0 * step)
+    return asked._replace(times=asked.times[np.abs(count - np.round(count)) < 1e-6])
 
 
 def track(result: Result) -> Track:

@@ -19,6 +19,7 @@ from towage.report.svg import canvas
 
 LEAST = 1e-6
 """Errors below this are drawn as this."""
+CAPTION = "Numbers as in the table. Green: recommended. Red: beyond the tolerance."
 HEAD = ("Model", "Largest error", "of", "Cost", "of the fullest", "Enough")
 
 
@@ -49,11 +50,11 @@ def decided_by(rung: Rung) -> str:
 def rows(ladder: Ladder) -> list[tuple[str, str, str, str, str, str]]:
     """A row a rung, under `HEAD`; one that was not made or not run has dashes and its reason in the last column."""
     told = []
-    for rung in ladder.rungs:
+    for k, rung in enumerate(ladder.rungs, 1):
         said = rung.reason or ("not judged" if ladder.enough is None else "yes" if rung.error <= ladder.tolerance else "no")
         said += ", recommended" if rung is ladder.enough else ""
         marks = [word for word, here in (("as given", rung.given), ("fullest", rung is ladder.fullest)) if here]
-        name = rung.name + (f" ({', '.join(marks)})" if marks else "")
+        name = f"{k}. {rung.name}" + (f" ({', '.join(marks)})" if marks else "")
         cost = "–" if math.isnan(rung.cost) else f"{number(rung.cost, 2)} s"
         told.append((name, percent(rung.error), decided_by(rung), cost, number(rung.ratio, 2), said))
     return told
@@ -107,19 +108,26 @@ def markdown(ladder: Ladder) -> str:
 
 
 def picture(ladder: Ladder, key: str) -> str:
-    """SVG of error over cost, the tolerance as a line; empty where nothing was run. ``key`` is unique in the page."""
-    run = [rung for rung in ladder.rungs if rung.errors and math.isfinite(rung.error)]
+    """SVG of error over cost, rungs by their numbers, the tolerance as a line; empty where nothing was run. ``key`` is unique
+    in the page."""
+    run = [(k, rung) for k, rung in enumerate(ladder.rungs, 1) if rung.errors and math.isfinite(rung.error)]
     if not run:
         return ""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     with canvas("Error over cost", key, 9.6, [3.4]) as ((axis,), svg):
-        for rung in run:
+        for k, rung in run:
             colour = GREEN if rung is ladder.enough else BLUE if rung.error <= ladder.tolerance else RED
             place = rung.ratio, 100.0 * max(rung.error, LEAST)
             axis.plot(*place, "o", color=colour, ms=7, mec="white")
-            axis.annotate(rung.name, place, xytext=(6, 3), textcoords="offset points", fontsize=7)
+            axis.annotate(str(k), place, xytext=(5, 3), textcoords="offset points", fontsize=8)
         axis.axhline(100.0 * ladder.tolerance, color="#a3121d", lw=1.0, label="tolerance")
         axis.set(xscale="log", yscale="log", xlabel="processor time over that of the fullest [-]", ylabel="largest error [%]")
         axis.legend(loc="lower left")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        for side in (axis.xaxis, axis.yaxis):
+            side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            side.set_minor_formatter(NullFormatter())
     return svg[0]
 
 
@@ -150,7 +158,7 @@ def _section(ladder: Ladder, key: str) -> str:
     note += "".join(f" Not asked: {question} ({why})." for question, why in ladder.absent.items())
     return (
         f"<section>{head}<p>{escape(said[0].upper() + said[1:])}.</p>{table(HEAD, body, (1, 3, 4))}"
-        f"{figure(drawn, 'Error over cost', 'Green: recommended. Red: beyond the tolerance.') if drawn else ''}"
+        f"{figure(drawn, 'Error over cost', CAPTION) if drawn else ''}"
         f"{_every(ladder)}<p class=\"note\">{escape(note)}</p>{file}</section>\n"
     )
 

@@ -22,7 +22,7 @@ from towage.api import NOTHING
 from towage.checks.signals import Difference
 from towage.errors import RunError, TowageError
 from towage.ladder.axis import Seen, Trial
-from towage.ladder.measure import Asked, asked, bare, coarse, differences, moves, track, worst
+from towage.ladder.measure import Asked, asked, bare, coarse, differences, moves, of_both, track, worst
 from towage.ladder.rungs import Rung, axes_of, rungs_of
 from towage.master.stages import Report
 from towage.process.worker import run_isolated
@@ -168,7 +168,7 @@ def _own_error(way: _Way, question: Asked, full: tuple[Result, Trial], place: tu
         twice = way.run(coarse(bare(full[1].scene)), "the fullest with doubled step", place)
     except TowageError:
         return math.inf
-    return worst(_errors(question, full, (twice, full[1])))
+    return worst(_errors(of_both(question, full[1].scene.coupling.step), full, (twice, full[1])))
 
 
 def recommended(rungs: Sequence[Rung], tolerance: float, own: float, moving: bool) -> tuple[Rung | None, str]:
