@@ -28,6 +28,7 @@ bench: $(VENV)/installed-bench             ## all benchmarks in one run -> docs/
 
 docs: $(VENV)/installed-docs               ## the pages made from units, scenes, benchmarks and docstrings -> site/
 	$(BIN)/python docs/make_units.py
+	$(BIN)/python benchmarks/scenes.py
 	$(BIN)/python docs/make_scenes.py
 	$(BIN)/python benchmarks/page.py
 	$(BIN)/python docs/make_api.py

@@ -4,6 +4,7 @@ The pages are not committed: what they say is what the scenes do now. A page sho
 ``python docs/make_scenes.py --readme`` draws the picture of the README instead.
 """
 
+import json
 import sys
 from pathlib import Path
 
@@ -20,8 +21,21 @@ README = Path(__file__).with_name("sea_cliff.svg"), "sea_cliff", "ship resonance
 """The picture of the README, and the scene and case that it is a result of."""
 
 
-def page(scene: Scene, name: str, results: list[Result]) -> tuple[str, str | None]:
-    """(Markdown, SVG of the gravest case or None)."""
+def measured(name: str, directory: Path) -> list[str]:
+    """What ``benchmarks/scenes.py`` measured of the scene: its ladder of models, its errors against step and scheme."""
+    try:
+        found = json.loads((directory / f"{name}.json").read_text("utf-8"))
+    except OSError:
+        missing = f"Not measured: `python benchmarks/scenes.py {name}`."
+        found = {"ladder": missing, "error": missing}
+    return [
+        "", "## The simplest model that is enough", "", f"`towage simplest {name}`", "", found["ladder"].strip(),
+        "", "## Speed against error", "", found["error"].strip(),
+    ]  # fmt: skip
+
+
+def page(scene: Scene, name: str, results: list[Result], directory: Path) -> tuple[str, str | None]:
+    """(Markdown, SVG of the gravest case or None); ``directory`` has what was measured."""
     gravest = min(results, key=lambda result: GRAVITY.index(result.verdict.word))
     plot = Plotter(gravest, name, 800)
     picture = plot.motions() or plot.tension() or next(iter(plot.others()[0]), None)
@@ -39,6 +53,7 @@ def page(scene: Scene, name: str, results: list[Result]) -> tuple[str, str | Non
     if picture:
         case = f", {gravest.case}" if gravest.case else ""
         lines += ["", f"![{scene.title}{case}]({name}.svg)", "", f"The gravest case{case}."]
+    lines += measured(name, directory)
     lines += ["", "## The scene file", "", "```toml", scene.source.strip(), "```"]
     return "\n".join(lines) + "\n", picture and picture.replace("<svg ", SVG, 1)
 
@@ -46,7 +61,7 @@ def page(scene: Scene, name: str, results: list[Result]) -> tuple[str, str | Non
 def write(name: str, directory: Path) -> None:
     """Runs every case of the shipped scene and writes its page."""
     scene = Scene.load(name)
-    text, picture = page(scene, name, [towage.run(name, case=case.name) for case in scene.cases] or [towage.run(name)])
+    text, picture = page(scene, name, [towage.run(name, case=case.name) for case in scene.cases] or [towage.run(name)], directory)
     directory.mkdir(parents=True, exist_ok=True)
     (directory / f"{name}.md").write_text(text, encoding="utf-8")
     if picture:

@@ -100,7 +100,7 @@ def shell(*arguments: str, code: str = "") -> subprocess.CompletedProcess[str]:
 def test_public_names() -> None:
     assert set(towage.__all__) == {
         *("Scene", "Master", "Result", "run", "run_all", "__version__"),
-        *("Ensemble", "Sweep", "response", "route", "stability", "sweep", "write_report"),
+        *("Ensemble", "Sweep", "response", "route", "simplest", "stability", "sweep", "write_report"),
         *("TowageError", "SceneError", "FmuError", "RunError"),
     }
     for name in towage.__all__:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from towage.ensemble.ensemble import Ensemble
     from towage.errors import FmuError, RunError, SceneError, TowageError
     from towage.frequency_response.response import response
+    from towage.ladder.simplest import simplest
     from towage.master.master import Master
     from towage.report.page import write_report
     from towage.result.result import Result
@@ -51,6 +52,7 @@ __all__ = [
     "route",
     "run",
     "run_all",
+    "simplest",
     "stability",
     "sweep",
     "write_report",
@@ -71,6 +73,7 @@ _HOME = {
     "route": "routing.route",
     "run": "api",
     "run_all": "api",
+    "simplest": "ladder.simplest",
     "stability": "tow_stability.stability",
     "sweep": "sweeps.sweep",
     "write_report": "report.page",

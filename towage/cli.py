@@ -28,6 +28,7 @@ COMMANDS = {
     "response": "towage.commands.response",
     "route": "towage.commands.route",
     "sweep": "towage.commands.sweep",
+    "simplest": "towage.commands.simplest",
     "new": "towage.commands.new",
 }
 INTERRUPTED = 130

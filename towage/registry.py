@@ -153,6 +153,21 @@ CHECKS = Registry(
 )
 """Checks of a run, `towage.checks.check.Check`, in the order in which their findings are told."""
 
+AXES = Registry(
+    "towage.axes",
+    "axis",
+    "towage.ladder.axis:Axis",
+    {
+        "sea": "towage.ladder.drive:SEA",
+        "ways": "towage.ladder.drive:WAYS",
+        "line": "towage.ladder.lift:LINE",
+        "drag": "towage.ladder.lift:DRAG",
+        "cable": "towage.ladder.tow:CABLE",
+        "body": "towage.ladder.body:BODY",
+    },
+)
+"""Axes of the ladder of models, `towage.ladder.axis.Axis`, in the order in which a scene is made simpler along them."""
+
 WRITERS = Registry(
     "towage.writers",
     "writer",

@@ -1,6 +1,6 @@
 """Docking cradle on a line: one degree of freedom in heave, quadratic drag, capture of a submersible.
 
-    M y'' = T - W - b |y'| y',    b = rho S C_D / 2
+    M y'' = T - W - b |y'| y' - c y',    b = rho S C_D / 2
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -9,6 +9,7 @@
 | T | tension of the line, positive in tension | N |
 | W | weight in water (+ that of the submersible, once docked) | N |
 | b | drag per squared velocity | kg/m |
+| c | ``linear_damping``: equivalent linear drag (`linear.equal_loss`) with b = 0, or damping beside the drag | N s/m |
 
 Docking is a plastic capture: M2 v+ = M1 v- + (M2 - M1) v_sub, hydrodynamic masses included, position continuous; the
 energy lost is M1 (M2 - M1)/(2 M2) (v- - v_sub)^2 >= 0. The source switches the mass and keeps the velocity
@@ -76,6 +77,9 @@ class Parameters:
     ]
     heave_start: Annotated[Value, parameter("m", 0.0, "Heave at the start", display="ft")]
     velocity_start: Annotated[Value, parameter("m/s", 0.0, "Velocity at the start", display="ft/s")]
+    linear_damping: Annotated[
+        Value, tunable("N.s/m", 0.0, "Linear damping, as the equivalent of the quadratic drag", display="lbf.s/ft", min=0.0)
+    ]
 
 
 class State(NamedTuple):
@@ -154,7 +158,7 @@ def drag_factor(docked: Value, p: Parameters, ops: Ops) -> Value:
 
 def acceleration(velocity: Value, docked: Value, tension: Value, p: Parameters, ops: Ops) -> Value:
     """y'', m/s2."""
-    drag = drag_factor(docked, p, ops) * ops.abs(velocity) * velocity
+    drag = (drag_factor(docked, p, ops) * ops.abs(velocity) + p.linear_damping) * velocity
     return (tension - weight(docked, p) - drag) / virtual_mass(docked, p)
 
 

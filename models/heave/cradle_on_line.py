@@ -107,28 +107,29 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     y, v = x
     k = spring_line.stiffness(p, ops)
     tension, e = _line(y, u, m.taut, p, ops)
-    tension = ops.where(p.freeze_branches > 0.5, tension, ops.maximum(tension, 0.0))
+    smooth = ops.maximum(p.freeze_branches, p.never_slack)
+    tension = ops.where(smooth > 0.5, tension, ops.maximum(tension, 0.0))
     e_rate = du.heave_top - v
     rate = m.taut * k * e_rate
     taut, breaking = spring_line.margins(tension, e, k, p.weight_in_water, p, ops)
     return Outputs(
         y, v, tension, tension - p.weight_in_water, taut, breaking,
-        cradle.margin_drag_reynolds(v, m.docked, p, ops), v, rate, rate, e, e_rate, m.taut, m.docked,
-        next_event_time(t, m, p, ops),
+        cradle.margin_drag_reynolds(v, m.docked, p, ops), v, rate, rate, spring_line.room(e, p, ops),
+        ops.where(p.never_slack > 0.5, 0.0, e_rate), m.taut, m.docked, next_event_time(t, m, p, ops),
     )  # fmt: skip
 
 
 def indicators(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[Value, ...]:
     """Drag reversal and, unless frozen, the stretch of the line."""
     _, e = _line(x.heave, u, m.taut, p, ops)
-    return x.velocity, ops.where(p.freeze_branches > 0.5, 1.0, e)
+    return x.velocity, ops.where(p.freeze_branches > 0.5, 1.0, spring_line.room(e, p, ops))
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """Branch of the line, and docking when due."""
     _, e = _line(x.heave, u, m.taut, p, ops)
     velocity, docked = cradle.capture(t, x.velocity, m.docked, u.submersible_velocity, p, ops)
-    return State(x.heave, velocity), Modes(ops.where(e > 0.0, 1.0, 0.0), docked)
+    return State(x.heave, velocity), Modes(ops.where(spring_line.room(e, p, ops) > 0.0, 1.0, 0.0), docked)
 
 
 def next_event_time(t: Value, m: Modes, p: Parameters, ops: Ops) -> Value:

@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 
 
 def response(mass: float, damping: float, stiffness: float, omega: float) -> tuple[float, float]:
@@ -99,6 +100,14 @@ def resonance(tau: float) -> tuple[float, float]:
 def equivalent_damping(drag: float, omega: float, amplitude: float) -> float:
     """c with the same loss of energy per cycle as b abs(v) v at v = A omega cos(omega t): 8 b omega A/(3 pi), N s/m."""
     return 8.0 / (3.0 * math.pi) * drag * omega * amplitude
+
+
+def equal_loss(drag: float, velocity: Sequence[float]) -> float:
+    """c with the same loss of energy as b abs(v) v over a motion whose ``velocity``, m/s, is known at equal intervals:
+    b sum abs(v)^3 / sum v^2, N s/m. `equivalent_damping` for a harmonic motion, b sqrt(8/pi) sigma for a Gaussian one; 0 at
+    rest."""
+    squares = math.fsum(v * v for v in velocity)
+    return drag * math.fsum(abs(v) ** 3 for v in velocity) / squares if squares else 0.0
 
 
 def lorentz(mass: float, drag: float, stiffness: float, amplitude: float, omega: float) -> tuple[float, float]:

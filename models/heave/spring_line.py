@@ -10,6 +10,8 @@
 | W | static tension: the weight in water it carries at rest | N |
 | x, y | heave of the upper and the lower end from the static equilibrium, positive up | m |
 
+With ``never_slack`` the line pushes too, T = K e: the spring of the linear theories.
+
 Assumptions: (1) stretch proportional to load; (2) no mass, no drag of its own, so that a wave runs along it in no time;
 (3) no memory: taut again without impact. What (2) and (3) cost follows from the mass of the wire with the load and the
 motion, which no line knows: the check `wire` of the master says it, after `elastic_bar`. The line's own weight counts
@@ -61,6 +63,10 @@ class Elasticity:
             "m/s", 0.0, "Speed of waves along the line, which gives its mass; 0: not known", display="ft/s", min=0.0
         ),
     ]
+    never_slack: Annotated[
+        Value,
+        parameter("1", 0.0, "1: the line pushes too, as in theories without slack; 0: it goes slack", min=0.0, max=1.0),
+    ]
     freeze_branches: FreezeBranches
 
 
@@ -92,7 +98,7 @@ class Inputs(NamedTuple):
     ]
 
 
-Tension = Annotated[Value, output("N", "Tension, never negative", display="lbf")]
+Tension = Annotated[Value, output("N", "Tension, negative only with never_slack", display="lbf")]
 Reaction = Annotated[
     Value, output("N", "Excess of the pull over its static value, down on the upper end", display="lbf")
 ]
@@ -103,7 +109,7 @@ MarginBreaking = Annotated[
     Value, margin("1 - (T - W)/(T_break - W - w L), w L the line's own weight, which hangs on its upper end")
 ]
 EventTaut = Annotated[
-    Value, local("m", "Stretch beyond the unstretched length; the line is taut where it is positive")
+    Value, local("m", "Stretch beyond the unstretched length, 1 if never slack; the line is taut where it is positive")
 ]
 Taut = Annotated[Value, local("1", "Branch in force: 1 taut, 0 slack", discrete=True)]
 
@@ -171,6 +177,11 @@ def wire_mass(p: Elasticity, ops: Ops) -> Value:
     return ops.where(p.mass_per_length > 0.0, given, stiffness(p, ops) * travel_time * travel_time)
 
 
+def room(e: Value, p: Elasticity, ops: Ops) -> Value:
+    """What must be positive for the line to be taut, m: the stretch, or 1 where it never goes slack."""
+    return ops.where(p.never_slack > 0.5, 1.0, e)
+
+
 def own_weight(p: Elasticity, ops: Ops) -> Value:
     """w L, N, which hangs on the upper end: as given, else as in air, which no water makes more."""
     return ops.where(p.weight_per_length > 0.0, p.weight_per_length * p.length, wire_mass(p, ops) * GRAVITY)
@@ -235,17 +246,21 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     k = stiffness(p, ops)
     e = stretch(u.heave_top, u.heave_bottom, p.static_tension, k)
     e_rate = du.heave_top - du.heave_bottom
-    branch = ops.where(p.freeze_branches > 0.5, m.taut, ops.where(e > 0.0, 1.0, 0.0))
-    tension = pull(e, branch, k, p.freeze_branches, ops)
+    left = room(e, p, ops)
+    branch = ops.where(p.freeze_branches > 0.5, m.taut, ops.where(left > 0.0, 1.0, 0.0))
+    tension = pull(e, branch, k, ops.maximum(p.freeze_branches, p.never_slack), ops)
     rate = branch * k * e_rate
     taut, breaking = margins(tension, e, k, p.static_tension, p, ops)
-    return Outputs(tension, tension - p.static_tension, e, taut, breaking, rate, rate, e, e_rate, branch)
+    return Outputs(
+        tension, tension - p.static_tension, e, taut, breaking, rate, rate, left,
+        ops.where(p.never_slack > 0.5, 0.0, e_rate), branch,
+    )  # fmt: skip
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """The branch at a communication point: taut where the stretch is positive."""
     e = stretch(u.heave_top, u.heave_bottom, p.static_tension, stiffness(p, ops))
-    return x, Modes(ops.where(e > 0.0, 1.0, 0.0))
+    return x, Modes(ops.where(room(e, p, ops) > 0.0, 1.0, 0.0))
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:

@@ -60,10 +60,14 @@ class System:
     line: spring_line.Parameters
     cradle: cradle.Parameters
     two_way: bool = False
-    never_slack: bool = False
     force_amplitude: float = 0.0
     force_frequency: float = 0.0
     submersible_velocity: float = 0.0
+
+    @property
+    def never_slack(self) -> bool:
+        """Whether the line is a spring that can push."""
+        return bool(self.line.never_slack > 0.5)
 
     @property
     def stiffness(self) -> float:

@@ -22,14 +22,14 @@ def monolithic(times: np.ndarray) -> np.ndarray:
         ship=ship.Parameters(0.6, 8.0, 0.0, 16.0, 9.1e5, 1.5e5, 2.3e6, 0.05),
         line=spring_line.Parameters(
             stiffness=3.3e4, axial_stiffness=0.0, length=0.0, breaking_load=0.0, mass_per_length=0.0,
-            weight_per_length=0.0, wave_speed=0.0, freeze_branches=0.0,
+            weight_per_length=0.0, wave_speed=0.0, never_slack=0.0, freeze_branches=0.0,
             static_tension=8e4,
         ),
         cradle=cradle.Parameters(
             mass=3.6e4, added_mass=1.7e4, weight_in_water=8e4, drag_area=51.0, drag_coefficient=1.0,
             water_density=1025.0, drag_length=1.0, kinematic_viscosity=1.19e-6, critical_reynolds=1e5,
             docking_time=60.0, submersible_mass=2.6e4, submersible_weight_in_water=0.0, docked_drag_area=0.0,
-            soft_docking=0.0, heave_start=0.0, velocity_start=0.0,
+            soft_docking=0.0, heave_start=0.0, velocity_start=0.0, linear_damping=0.0,
         ),
         two_way=True,
     )  # fmt: skip

@@ -152,7 +152,12 @@ def test_a_margin_in_units_of_an_error_tells_it(worst: float, description: str, 
 
 
 def test_the_card_shows_error_limit_time_and_remedy() -> None:
-    told = item_of([Margin("a.margin_x", -1.0, 3.0, True, error=0.1, limit=0.05, remedy="go slower"), Margin("a.margin_y", 0.3, 0.0, True)])
+    told = item_of(
+        [
+            Margin("a.margin_x", -1.0, 3.0, True, error=0.1, limit=0.05, remedy="go slower"),
+            Margin("a.margin_y", 0.3, 0.0, True),
+        ]
+    )
     assert told == Item(
         "invalid", "a.margin_x at t = 3 s: error up to 10 %, limit 5 %", 0.1, 0.05, 3.0, "go slower", "premises"
     )

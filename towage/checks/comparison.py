@@ -62,8 +62,8 @@ def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
     ship, amplitude = ship_of(system, check), units[check.ship].constant("heave_amplitude")
     k2, m2, drag = line.constant("port_stiffness"), body.constant("virtual_mass"), body.constant("drag_factor")
     m2 = m2 or body.constant("port_mass")
-    if not (ship and amplitude and k2 and m2) or drag is None:
-        return None
+    if not (ship and amplitude and k2 and m2) or drag is None or body.constant("linear_damping"):
+        return None  # nor does the theory know linear damping beside the drag
     return sdof.Pair(*ship, m2, k2, drag, amplitude)
 
 

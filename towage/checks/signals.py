@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ FEWEST = 16
 """Samples without which no frequency is told."""
 MOST_PERIODS = 8
 """Subharmonics are looked for up to this order."""
+REST = 1e-9
+"""Standard deviation over the largest value of a signal that does not move but for rounding."""
 LOWEST = 2 * PADDING
 """Place of two periods in the padded spectrum; a peak below it is no frequency."""
 
@@ -71,6 +74,36 @@ def relative_change(one: float, two: float) -> float:
 def share_of_nothing(value: float) -> float:
     """``value`` as a share of zero: infinite, but for zero itself."""
     return math.inf if value else 0.0
+
+
+class Difference(NamedTuple):
+    """A signal of a simpler model against that of the full one: ``amplitude``, half the swing, and ``peak`` above the mean,
+    each simpler/full - 1; ``rms`` of the difference over the standard deviation of the full one. Infinite where only one of
+    them moves, 0 where none does."""
+
+    amplitude: float
+    peak: float
+    rms: float
+
+    @property
+    def worst(self) -> float:
+        """The largest size."""
+        return max(abs(self.amplitude), abs(self.peak), self.rms)
+
+
+def difference(full: Array, simpler: Array) -> Difference:
+    """Of two signals at the same times, shape (n,)."""
+    if at_rest(full):
+        same = at_rest(simpler) and abs(float(simpler.mean() - full.mean())) <= REST * float(np.max(np.abs(full), initial=0.0))
+        return Difference(*(3 * [0.0 if same else math.inf]))
+    amplitude = relative_change(peak(simpler) + peak(-simpler), peak(full) + peak(-full))
+    above = relative_change(peak(simpler) - float(simpler.mean()), peak(full) - float(full.mean()))
+    return Difference(amplitude, above, math.sqrt(float(np.mean((simpler - full) ** 2))) / float(full.std()))
+
+
+def at_rest(values: Array) -> bool:
+    """Whether a signal does not move but for rounding."""
+    return float(np.std(values)) <= REST * float(np.max(np.abs(values), initial=0.0))
 
 
 def peak(values: Array) -> float:

@@ -15,7 +15,6 @@ rms(simpler - full)/rms(full - mean). The words are of the simpler model and non
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -82,25 +81,14 @@ def after(run: Finished) -> list[Finding]:
     return [compare(run.scene.scene.checks.get("simpler"), run.result.time, run.columns, time, simpler)]
 
 
-def differences(full: Array, simpler: Array) -> tuple[float, float]:
-    """(swing, rms) difference of two motions at the same times; infinite where only one of them moves."""
-    import numpy as np
-
-    from towage.checks.signals import peak
-
-    swing, spread = peak(full) + peak(-full), float(np.std(full))
-    if not swing > 0.0:
-        return (0.0, 0.0) if np.array_equal(full, simpler) else (math.inf, math.inf)
-    rms = math.sqrt(float(np.mean((simpler - full) ** 2)))
-    return (peak(simpler) + peak(-simpler)) / swing - 1.0, rms / spread
-
-
 def compare(
     check: SimplerCheck, time: Array, full: Mapping[str, Array], simpler_time: Array, simpler: Mapping[str, Array]
 ) -> Finding:
     """The finding, with the largest difference and the tolerance. Times (s) are matched; a simpler run that ended early
     is not enough."""
     import numpy as np
+
+    from towage.checks.signals import difference
 
     _, here, there = np.intersect1d(np.round(time, 9), np.round(simpler_time, 9), return_indices=True)
     settled = time[here] >= check.settle
@@ -110,8 +98,8 @@ def compare(
         return Finding(RUN, "info", None, check.tolerance, f"not enough: with {change} the run ended early")
     worst, what = 0.0, "nothing moves"
     for name in check.motions:
-        swing, rms = differences(full[name][here], simpler[name][there])
-        for size, kind in ((abs(swing), "swing"), (rms, "rms")):
+        off = difference(full[name][here], simpler[name][there])
+        for size, kind in ((abs(off.amplitude), "swing"), (off.rms, "rms")):
             if not size <= worst:
                 worst, what = size, f"{kind} difference of {name} is {100.0 * size:.3g} %"
     trust = float(np.min(simpler[check.margin])) if check.margin else 1.0

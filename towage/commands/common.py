@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import re
 import signal
 import sys
 import threading
@@ -16,6 +17,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 if TYPE_CHECKING:
     from towage.scene.resolve import ResolvedScene
     from towage.scene.scene import Scene
+
+LONGEST_NAME = 100
+"""Characters of a case's name that go into a file name."""
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -173,3 +177,14 @@ def terminable() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+def file_name(case: str, taken: list[Path]) -> str:
+    """The case's name in characters that every file system and shell takes, not yet used by a file in ``taken``."""
+    base = re.sub(r"[^\w.+-]+", "_", case).strip("_.")[:LONGEST_NAME] or "case"
+    used = {file.stem.casefold() for file in taken}
+    name, count = base, 1
+    while name.casefold() in used:
+        count += 1
+        name = f"{base}_{count}"
+    return name

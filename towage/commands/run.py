@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from towage.scene.resolve import ResolvedScene
 
 HELP = "run the cases of a scene and judge them"
-LONGEST_NAME = 100
-"""Characters of a case's name that go into a file name."""
 DEFAULT_WRITERS = ("csv", "npz")
 
 
@@ -98,7 +95,7 @@ def execute(arguments: argparse.Namespace) -> int:
         if outcome.result:
             results.append(outcome.result)
             codes.add(RunError.exit_code if outcome.result.status == "failed" else 0)
-            files += _write(outcome.result, out / _file_name(outcome.case or stem, files), writers)
+            files += _write(outcome.result, out / common.file_name(outcome.case or stem, files), writers)
             if not arguments.json:
                 print(text_summary(outcome.result), flush=True)
     if results and not arguments.no_report:
@@ -163,14 +160,3 @@ def _tell(
         print(json.dumps({"results": summaries, "errors": faults, "files": [str(f) for f in files]}, indent=2))
     elif files:
         print(f"written to {out}: {', '.join(file.name for file in files)}")
-
-
-def _file_name(case: str, taken: list[Path]) -> str:
-    """The case's name in characters that every file system and shell takes, not yet used by a file in ``taken``."""
-    base = re.sub(r"[^\w.+-]+", "_", case).strip("_.")[:LONGEST_NAME] or "case"
-    used = {file.stem.casefold() for file in taken}
-    name, count = base, 1
-    while name.casefold() in used:
-        count += 1
-        name = f"{base}_{count}"
-    return name

@@ -231,6 +231,7 @@ def _coupled_run(
         "events_located": float(run.located),
         "wall_s": run.wall,
         "cpu_s": run.cpu,
+        "start_cpu_s": system.start_cpu,
         "real_time_factor": run.time / run.wall if run.wall else math.nan,
     }
     return columns, track

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import process_time
 from typing import NamedTuple
 
 from towage.checks.check import Start, checks_of
@@ -35,9 +36,11 @@ def started(resolved: ResolvedScene, make_unit: UnitFactory, main: ResolvedScene
     the master looks after events. Raises `RunError` and `FmuError`; the caller closes the system."""
     scene = (main or resolved).scene
     held = scene.coupling.scheme != "auto" and SCHEMES.get(scene.coupling.scheme).holds
+    begin = process_time()
     system = System(resolved, cache() / "unpacked", scene.coupling.events and not held, held, make_unit)
     try:
         system.start(0.0, scene.stop_time)
+        system.start_cpu = process_time() - begin
     except BaseException:
         system.close()
         raise

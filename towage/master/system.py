@@ -64,6 +64,7 @@ class System:
         self.scene = scene
         self._freeze = freeze
         self.units: list[Unit] = []
+        self.start_cpu = 0.0  # processor time of loading and initialisation, s
         self.old_step = 0.0
         self.saved_at = math.nan
         self._learned: list[tuple[Any, Any]] = []

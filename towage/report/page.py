@@ -30,7 +30,7 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
-_ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
+ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
 
 
@@ -72,7 +72,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  speed           {number(speed)} x real time{took}")
     if result.flavours:
         lines.append(f"  units           {result.made_of()}")
-    return "\n".join(lines).translate(_ASCII)
+    return "\n".join(lines).translate(ASCII)
 
 
 def _page(results: Sequence[Result]) -> str:

@@ -17,6 +17,7 @@ _STATISTICS = {
     "step_calls": ("Steps of all units", ""),
     "wall_s": ("Wall time", "s"),
     "cpu_s": ("Processor time", "s"),
+    "start_cpu_s": ("Processor time of the start", "s"),
     "real_time_factor": ("Speed, times real time", ""),
 }
 

@@ -22,7 +22,7 @@ from towage.scene.tables import Tables, find_file, plain, read_toml
 
 __all__ = ["Case", "Checks", "Coupling", "Record", "Scene", "SceneSummary", "UnitEntry", "available_scenes"]
 
-SHIPPED = Path(__file__).parents[1] / "scenes"
+SHIPPED, ROUTES = (Path(__file__).parents[1] / name for name in ("scenes", "routes"))
 _FIELDS = (
     "title", "description", "stop_time", "units", "connections", "coupling", "record", "checks", "cases"
 )  # fmt: skip
@@ -62,7 +62,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
     def load(cls, path_or_name: str | Path, search: Iterable[Path] = ()) -> Scene:
         """The scene in a file, or of a name in one of the directories of ``search`` or among the shipped ones. Raises
         `SceneError`."""
-        path = find_file(path_or_name, (*search, SHIPPED), "scene")
+        routes = (ROUTES,) if (ROUTES / f"{path_or_name}.toml").is_file() else ()  # refused by what it is
+        path = find_file(path_or_name, (*search, SHIPPED, *routes), "scene")
         text, data = read_toml(path)
         return replace(cls.from_dict(data, path), source=text)
 
@@ -164,6 +165,8 @@ def available_scenes() -> tuple[SceneSummary, ...]:
 def _read(data: dict[str, Any], file: Path | None) -> Scene:
     """The scene in plain tables."""
     tables = Tables(file)
+    if "route" in data:
+        tables.fail("a route is no scene: take it to towage route", "route")
     for name in data:
         if name not in _FIELDS:
             tables.unknown(name, _FIELDS, "")

@@ -59,7 +59,7 @@ def _python(name: str, directory: Path) -> Path:
     of another package compared with its sources once a process. Raises `FmuError`."""
     from towage.fmus.describe import archive
 
-    place = directory / f"{_sources()}-{metadata.version('pythonfmu')}" / f"{name}.fmu"
+    place = directory / f"{sources_digest()}-{metadata.version('pythonfmu')}" / f"{name}.fmu"
     if name in UNITS.own and archive.read(place):
         return place
     from towage.fmus.declare.unit import BuildError
@@ -81,11 +81,11 @@ def _python(name: str, directory: Path) -> Path:
 def native_place(name: str, structure: Structure) -> Path:
     """Where in the cache the native FMU of that structure is, or would be."""
     shape = ",".join(f"{parameter}={value:g}" for parameter, value in sorted(structure.items()))
-    return cache() / "native" / _sources() / (shape or "plain") / f"{name}.fmu"
+    return cache() / "native" / sources_digest() / (shape or "plain") / f"{name}.fmu"
 
 
 @functools.cache
-def _sources() -> str:
+def sources_digest() -> str:
     """Digest of all that an FMU is made of: models, declarations, runtime."""
     from towage import fmus, models
 

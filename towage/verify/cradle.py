@@ -49,8 +49,7 @@ def dimensionless_system(
         ),
         line=spring_line.Parameters(
             stiffness=stiffness, axial_stiffness=0.0, length=0.0, breaking_load=0.0, mass_per_length=0.0,
-            weight_per_length=0.0, wave_speed=0.0,
-            freeze_branches=0.0, static_tension=weight,
+            weight_per_length=0.0, wave_speed=0.0, never_slack=float(w is None), freeze_branches=0.0, static_tension=weight,
         ),
         cradle=cradle.Parameters(
             mass=mass, added_mass=0.0, weight_in_water=weight, drag_area=1.0, drag_coefficient=1.0,
@@ -59,9 +58,9 @@ def dimensionless_system(
             submersible_weight_in_water=0.0,
             docked_drag_area=max(drag_ratio, 1e-300),  # 0 would mean unchanged
             soft_docking=float(mode == "continuous"), heave_start=0.0, velocity_start=0.0,
+            linear_damping=0.0,
         ),
         two_way=two_way,
-        never_slack=w is None,
         force_amplitude=force[0],
         force_frequency=force[1],
         submersible_velocity=submersible_velocity,

@@ -26,7 +26,8 @@ def solve(resolved: ResolvedScene, time: Array) -> tuple[Array, Array]:
     for k, t in enumerate(time):
         x = run.advance(float(t))
         heave[k] = x[-2]
-        tension[k] = max(0.0, system.stiffness * run.stretch(float(t), x)[0])
+        pull = system.stiffness * run.stretch(float(t), x)[0]
+        tension[k] = pull if system.never_slack else max(0.0, pull)
     return heave, tension
 
 

@@ -1,0 +1,178 @@
+"""What is shown of a ladder: lines for a terminal, JSON, a page, and a table in Markdown for the page of a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from towage.files import atomic_write
+from towage.ladder.rungs import Rung
+from towage.ladder.scene_file import toml
+from towage.ladder.simplest import Ladder, scene_of
+from towage.report.format import Markup, badge, details, figure, number, page, percent, table
+from towage.report.page import ASCII
+from towage.report.plots import BLUE, GREEN, RED
+from towage.report.svg import canvas
+
+LEAST = 1e-6
+"""Errors below this are drawn as this."""
+CAPTION = "Numbers as in the table. Green: recommended. Red: beyond the tolerance."
+HEAD = ("Model", "Largest error", "of", "Cost", "of the fullest", "Enough")
+
+
+def name_of(ladder: Ladder) -> str:
+    """Title and case."""
+    return ", ".join(part for part in (ladder.title, ladder.case) if part)
+
+
+def conclusion(ladder: Ladder) -> str:
+    """The recommendation in a sentence."""
+    if not (rung := ladder.enough):
+        return ladder.note
+    return (
+        f"enough is: {rung.name} (largest error {percent(rung.error)}, tolerance {percent(ladder.tolerance)}; "
+        f"{number(rung.ratio)} of the cost of the fullest)"
+    )
+
+
+def decided_by(rung: Rung) -> str:
+    """The signal and the measure of the largest error."""
+    if not rung.errors:
+        return ""
+    signal, error = max(rung.errors.items(), key=lambda item: item[1].worst)
+    kinds = {"amplitude": abs(error.amplitude), "peak": abs(error.peak), "rms": error.rms}
+    return f"{max(kinds, key=kinds.__getitem__)} of {signal}" if error.worst else ""
+
+
+def rows(ladder: Ladder) -> list[tuple[str, str, str, str, str, str]]:
+    """A row a rung, under `HEAD`; one that was not made or not run has dashes and its reason in the last column."""
+    told = []
+    for k, rung in enumerate(ladder.rungs, 1):
+        said = rung.reason or ("not judged" if ladder.enough is None else "yes" if rung.error <= ladder.tolerance else "no")
+        said += ", recommended" if rung is ladder.enough else ""
+        marks = [word for word, here in (("as given", rung.given), ("fullest", rung is ladder.fullest)) if here]
+        name = f"{k}. {rung.name}" + (f" ({', '.join(marks)})" if marks else "")
+        cost = "–" if math.isnan(rung.cost) else f"{number(rung.cost, 2)} s"
+        told.append((name, percent(rung.error), decided_by(rung), cost, number(rung.ratio, 2), said))
+    return told
+
+
+def text(ladder: Ladder) -> str:
+    """For a terminal: the recommendation, then a line a rung."""
+    lines = [f"{name_of(ladder)}: {conclusion(ladder)}"]
+    told = [HEAD[:5], *(row[:5] for row in rows(ladder))]
+    widths = [max(len(row[k]) for row in told) for k in range(5)]
+    last = [HEAD[5], *(row[5] for row in rows(ladder))]
+    for row, said in zip(told, last, strict=True):
+        lines.append("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + f"  {said}")
+    lines += [f"  not asked: {question} ({why})" for question, why in ladder.absent.items()]
+    lines.append(f"  compared: {', '.join(ladder.signals)} from {number(ladder.settle)} s on; {own(ladder)}")
+    return "\n".join(lines).translate(ASCII)
+
+
+def own(ladder: Ladder) -> str:
+    """How sure the fullest model is of itself."""
+    return f"the fullest model itself changes by {percent(ladder.own_error)} with doubled step (tenfold tolerance)"
+
+
+def document(ladder: Ladder) -> dict[str, Any]:
+    """As JSON: numbers that are not finite are null."""
+
+    def plain(value: float) -> float | None:
+        return value if math.isfinite(value) else None
+
+    rungs = [
+        {
+            "name": rung.name, "levels": rung.levels, "leaves_out": rung.leaves_out, "reason": rung.reason, "given": rung.given,
+            "error": plain(rung.error), "cost_s": plain(rung.cost), "ratio": plain(rung.ratio),
+            "errors": {s: {k: plain(v) for k, v in e._asdict().items()} for s, e in (rung.errors or {}).items()},
+        }
+        for rung in ladder.rungs
+    ]  # fmt: skip
+    return {
+        "title": ladder.title, "case": ladder.case, "tolerance": ladder.tolerance, "signals": ladder.signals,
+        "settle": ladder.settle, "fullest": ladder.fullest.name, "own_error": plain(ladder.own_error),
+        "enough": ladder.enough and ladder.enough.name, "note": ladder.note, "absent": dict(ladder.absent), "rungs": rungs,
+    }  # fmt: skip
+
+
+def markdown(ladder: Ladder) -> str:
+    """A table for the page of a scene, with the recommendation above it."""
+    said = conclusion(ladder)
+    lines = [f"{said[0].upper()}{said[1:]}.", "", f"| {' | '.join(HEAD)} |", "|---|--:|---|--:|--:|---|"]
+    lines += [f"| {' | '.join(row)} |" for row in rows(ladder)]
+    return "\n".join([*lines, "", f"Compared: {', '.join(ladder.signals)} from {number(ladder.settle)} s on; {own(ladder)}."])
+
+
+def picture(ladder: Ladder, key: str) -> str:
+    """SVG of error over cost, rungs by their numbers, the tolerance as a line; empty where nothing was run. ``key`` is unique
+    in the page."""
+    run = [(k, rung) for k, rung in enumerate(ladder.rungs, 1) if rung.errors and math.isfinite(rung.error)]
+    if not run:
+        return ""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    with canvas("Error over cost", key, 9.6, [3.4]) as ((axis,), svg):
+        for k, rung in run:
+            colour = GREEN if rung is ladder.enough else BLUE if rung.error <= ladder.tolerance else RED
+            place = rung.ratio, 100.0 * max(rung.error, LEAST)
+            axis.plot(*place, "o", color=colour, ms=7, mec="white")
+            axis.annotate(str(k), place, xytext=(5, 3), textcoords="offset points", fontsize=8)
+        axis.axhline(100.0 * ladder.tolerance, color="#a3121d", lw=1.0, label="tolerance")
+        axis.set(xscale="log", yscale="log", xlabel="processor time over that of the fullest [-]", ylabel="largest error [%]")
+        axis.legend(loc="lower left")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        for side in (axis.xaxis, axis.yaxis):
+            side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            side.set_minor_formatter(NullFormatter())
+    return svg[0]
+
+
+def write_report(ladders: Sequence[Ladder], path: Path) -> Path:
+    """Writes the page of one ladder a case and returns its path. Raises `TowageError` where it cannot be written."""
+    sections = "".join(_section(ladder, f"l{k}") for k, ladder in enumerate(ladders))
+    titles = list(dict.fromkeys(ladder.title for ladder in ladders))
+    with atomic_write(path) as stream:
+        stream.write(page(", ".join(titles), "The simplest model that is enough", sections).encode())
+    return path
+
+
+def _section(ladder: Ladder, key: str) -> str:
+    """One case."""
+    said = conclusion(ladder)
+    word = "ok" if ladder.enough else "not judged"
+    body = [
+        (Markup(f"{escape(row[0])}<small>{escape(_without(rung))}</small>"), *row[1:])
+        for row, rung in zip(rows(ladder), ladder.rungs, strict=True)
+    ]
+    head = f'<div class="headline"><h2>{escape(ladder.case or "Base case")}</h2>{badge(word)}</div>'
+    drawn = picture(ladder, key)
+    file = ""
+    if ladder.enough:
+        source = toml(scene_of(ladder, ladder.enough))
+        file = details("Scene file of the recommended model", f"<pre>{escape(source)}</pre>")
+    note = f"Compared: {', '.join(ladder.signals)}, from {number(ladder.settle)} s on; {own(ladder)}."
+    note += "".join(f" Not asked: {question} ({why})." for question, why in ladder.absent.items())
+    return (
+        f"<section>{head}<p>{escape(said[0].upper() + said[1:])}.</p>{table(HEAD, body, (1, 3, 4))}"
+        f"{figure(drawn, 'Error over cost', CAPTION) if drawn else ''}"
+        f"{_every(ladder)}<p class=\"note\">{escape(note)}</p>{file}</section>\n"
+    )
+
+
+def _without(rung: Rung) -> str:
+    """What a rung does not know."""
+    return f"without {'; '.join(rung.leaves_out)}" if rung.leaves_out else ""
+
+
+def _every(ladder: Ladder) -> str:
+    """All errors, folded."""
+    head = ("Model", *(f"{signal}, {kind}" for signal in ladder.signals for kind in ("amplitude", "peak", "rms")))
+    body = [
+        (rung.name, *(percent(value) for signal in ladder.signals for value in rung.errors[signal]))
+        for rung in ladder.rungs if rung.errors
+    ]  # fmt: skip
+    return details("All errors", table(head, body, range(1, len(head))))

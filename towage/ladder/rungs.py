@@ -1,0 +1,68 @@
+"""The rungs of a scene: every combination of the levels that can be made of it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from towage.checks.signals import Difference
+from towage.errors import TowageError
+from towage.ladder.axis import Axis, Level, Trial, Unfit
+from towage.ladder.measure import worst
+from towage.registry import AXES
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A model of the scene. ``levels``: the level on every axis; ``leaves_out`` what it does not know; ``trial``: its scene;
+    ``reason``: why it was not made or not run, else empty. ``errors``: signal to its error against the fullest; ``cost``,
+    processor time, s, ``ratio``, over that of the fullest. ``given``: it is the scene as it is."""
+
+    levels: tuple[str, ...]
+    leaves_out: tuple[str, ...]
+    trial: Trial | None
+    reason: str = ""
+    given: bool = False
+    errors: Mapping[str, Difference] | None = None
+    cost: float = math.nan
+    ratio: float = math.nan
+
+    @property
+    def name(self) -> str:
+        """Its levels in words."""
+        return ", ".join(self.levels) or "the scene as it is"
+
+    @property
+    def error(self) -> float:
+        """The largest error; NaN where it was not run."""
+        return worst(self.errors) if self.errors else math.nan
+
+
+def axes_of(base: Trial) -> tuple[list[Axis], dict[str, str]]:
+    """(the axes that a scene has, question to why it has not the others)."""
+    every: list[Axis] = [AXES.get(name) for name in AXES.names()]
+    absent = {axis.description: why for axis in every if (why := axis.lacks(base))}
+    return [axis for axis in every if axis.description not in absent], absent
+
+
+def rungs_of(base: Trial, axes: Sequence[Axis]) -> list[Rung]:
+    """From the simplest to the fullest. A level that cannot be made is a rung that says why, and takes part in no other."""
+    alone = [[(level, _rung(base, [level])) for level in axis.levels] for axis in axes]
+    unfit = [rung for levels in alone for _, rung in levels if rung.trial is None]
+    fit = [[level for level, rung in levels if rung.trial] for levels in alone]
+    return unfit + [_rung(base, levels) for levels in itertools.product(*fit)]
+
+
+def _rung(base: Trial, levels: Sequence[Level]) -> Rung:
+    """The scene with these levels, or why there is none."""
+    trial, reason = base, ""
+    try:
+        for level in levels:
+            trial = level.make(trial)
+        trial.resolved  # noqa: B018 - refuses what does not fit
+    except (Unfit, TowageError) as error:
+        reason = str(error.args[0])
+    out = tuple(level.leaves_out for level in levels if level.leaves_out)
+    return Rung(tuple(level.name for level in levels), out, None if reason else trial, reason)

@@ -1,0 +1,165 @@
+"""The axis of a tow: a massless spring, the linear cable with states reduced or with all, the nonlinear cable.
+
+The units share their parameters (`models.cable.parameters.TowParameters`), so that one takes the place of another; a
+`tow_cable` with its `towed_body` becomes one unit with its body. The spring is EA/L between the ship and a cradle of the body's
+mass, with the linear part of the body's drag.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+
+from towage.checks.tow_names import UNITS
+from towage.ladder.axis import Axis, Level, Trial, Unfit, ends, entry
+from towage.models.cable.parameters import Choice, TowParameters
+from towage.units.description import Value
+
+LINEAR = ("tow_system", "tow_cable")
+NONLINEAR = "tow_cable_nonlinear"
+SHARED = tuple(field.name for field in fields(TowParameters))
+CHOICE = tuple(field.name for field in fields(Choice))
+INPUTS = {"top_velocity_surge": "velocity_surge", "top_velocity_heave": "velocity_heave"}
+"""What inputs of `tow_cable` are called in the units with a body."""
+BODY = {"surge": "body_surge", "heave": "body_heave", "velocity_surge": "body_velocity_surge",
+        "velocity_heave": "body_velocity_heave"}  # fmt: skip
+"""What outputs of `towed_body` are called there."""
+SEGMENTS = 20.0
+"""Of a nonlinear cable, where a linear one does not tell how many it needs."""
+INTERNAL = 0.05
+"""Largest implicit step of a nonlinear cable, s, as its start value."""
+
+
+def _no_tow(trial: Trial) -> str:
+    return "" if trial.units(*UNITS) else "nothing is towed on a cable"
+
+
+def _tow(trial: Trial) -> tuple[str, str]:
+    """(name, kind) of the one towing unit. Raises `Unfit`."""
+    found = trial.units(*UNITS)
+    if len(found) != 1:
+        raise Unfit(f"the scene has {len(found)} tows: models are changed of one")
+    return found[0].name, found[0].description.model_name
+
+
+def _as(trial: Trial, fmu: str, more: dict[str, Value]) -> Trial:
+    """The tow, and its body, as one unit of another kind. Raises `Unfit`."""
+    name, kind = _tow(trial)
+    given = trial.scene.units[name]
+    bodies = [unit.name for unit in trial.units("towed_body")] if kind == "tow_cable" else []
+    if kind == "tow_cable" and len(bodies) != 1:
+        raise Unfit(f"{name} tows no towed_body, whose mass and drag another model would have to know")
+    parameters = {key: value for key, value in given.parameters.items() if key in SHARED} | more
+    inputs = {INPUTS.get(key, key): value for key, value in given.values.items() if trial.is_input(name, key)}
+    units = {n: u for n, u in trial.scene.units.items() if n not in bodies} | {name: entry(fmu, parameters, inputs)}
+    called = {f"{body}.{here}": f"{name}.{there}" for body in bodies for here, there in BODY.items()}
+    connections = []
+    for connection in trial.scene.connections:
+        source, target = ends(connection)
+        unit, _, variable = target.partition(".")
+        if unit in bodies and variable in ("drag_change", "lift_change"):
+            target = f"{name}.body_{variable}"
+        elif unit in bodies or (source.partition(".")[0] in bodies and unit == name):
+            continue
+        elif unit == name:
+            target = f"{name}.{INPUTS.get(variable, variable)}"
+        connections.append(f"{called.get(source, source)} -> {target}")
+    return trial.rebuilt(units, connections, called)
+
+
+def _linear(reduced: float) -> Callable[[Trial], Trial]:
+    """A level's ``make``."""
+
+    def make(trial: Trial) -> Trial:
+        name, kind = _tow(trial)
+        if kind in LINEAR:
+            return trial.setting({f"{name}.reduced": reduced})
+        extensible = 1.0 if trial.value(name, "axial_stiffness") else 0.0
+        return _as(trial, "tow_system", {"reduced": reduced, "extensible": extensible})
+
+    return make
+
+
+def nonlinear(trial: Trial) -> Trial:
+    """The nonlinear cable with as many segments as the linear one needs. Raises `Unfit`."""
+    name, kind = _tow(trial)
+    if kind == NONLINEAR:
+        return trial
+    if not trial.value(name, "axial_stiffness"):
+        raise Unfit(f"{name}.axial_stiffness is not known, and the nonlinear cable stretches: give EA")
+    step = trial.scene.coupling.step or INTERNAL
+    more: dict[str, Value] = {"segments": segments(trial, name, kind), "internal_step": min(INTERNAL, step)}
+    return _as(trial, NONLINEAR, more)
+
+
+def segments(trial: Trial, name: str, kind: str) -> float:
+    """How many segments the linear unit has, `SEGMENTS` at least."""
+    if given := trial.value(name, "segments"):
+        return max(SEGMENTS, given)
+    from towage.models.cable.case import CableError
+    from towage.models.cable.units import tow_cable, tow_system
+
+    unit = tow_system if kind == "tow_system" else tow_cable
+    values = {field.name: trial.value(name, field.name) for field in fields(unit.Parameters)}
+    try:
+        return max(SEGMENTS, float(unit.chosen(unit.Parameters(**values)).nodes))
+    except CableError as error:
+        raise Unfit(str(error)) from error
+
+
+def spring(trial: Trial) -> Trial:
+    """A body on a spring EA/L in heave. Raises `Unfit`."""
+    name, kind = _tow(trial)
+    stiffness = trial.value(name, "axial_stiffness")
+    if trial.value(name, "quadrant") != 1.0:
+        raise Unfit("a float that a submarine tows does not hang on a spring")
+    if not stiffness:
+        raise Unfit(f"{name}.axial_stiffness is not known, which makes the spring EA/L: give EA")
+    source = _heave(trial, name, kind)
+    body = f"{name}_body"
+    slope = trial.value(name, "body_drag") / trial.value(name, "tow_speed")
+    weight = trial.value(name, "body_weight_in_water") - trial.value(name, "body_lift")
+    units = {n: u for n, u in trial.scene.units.items() if n in {source.partition(".")[0]}}
+    units[name] = entry(
+        "spring_line",
+        {"axial_stiffness": stiffness, "length": trial.value(name, "cable_length"), "static_tension": weight},
+    )
+    units[body] = entry(
+        "cradle",
+        {
+            "mass": trial.value(name, "body_mass"), "added_mass": trial.value(name, "body_added_mass_heave"),
+            "weight_in_water": weight, "water_density": trial.value(name, "water_density"),
+            "linear_damping": slope if trial.value(name, "body_quadratic_drag") > 0.5 else 0.0,
+        },
+    )  # fmt: skip
+    ship = source.partition(".")[0]
+    connections = [
+        f"{ship}.heave -> {name}.heave_top", f"{body}.heave -> {name}.heave_bottom", f"{name}.tension -> {body}.line_tension",
+    ]  # fmt: skip
+    if any(ends(c) == (f"{name}.reaction_heave", f"{ship}.reaction") for c in trial.scene.connections):
+        connections.append(f"{name}.reaction -> {ship}.reaction")
+    towed = next((unit.name for unit in trial.units("towed_body")), name)
+    heave, speed = ("heave", "velocity_heave") if towed != name else ("body_heave", "body_velocity_heave")
+    called = {f"{name}.tension_top": f"{name}.tension", f"{name}.tension_body": f"{name}.tension",
+              f"{towed}.{heave}": f"{body}.heave", f"{towed}.{speed}": f"{body}.velocity"}  # fmt: skip
+    return trial.rebuilt(units, connections, called)
+
+
+def _heave(trial: Trial, name: str, kind: str) -> str:
+    """The output that heaves the towpoint. Raises `Unfit` where something else moves the tow, or the ship has no heave."""
+    heaves = f"{name}.{'top_' if kind == 'tow_cable' else ''}velocity_heave"
+    sources = {target: source for source, target in map(ends, trial.scene.connections)}
+    if heaves not in sources or not sources[heaves].endswith(".velocity"):
+        raise Unfit(f"no ship heaves {name}, and on the spring there is no other motion")
+    return sources[heaves]
+
+
+CABLE = Axis(
+    "cable", "What does the tow cable know?", _no_tow,
+    (
+        Level("massless spring EA/L", "mass, drag, shape and waves of the cable; surge", spring),
+        Level("linear cable, reduced", "large motions about the steady tow; fast modes", _linear(1.0)),
+        Level("linear cable", "large motions about the steady tow", _linear(0.0)),
+        Level("nonlinear cable", "", nonlinear),
+    ),
+)  # fmt: skip
