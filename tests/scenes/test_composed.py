@@ -25,10 +25,11 @@ from towage.models.heave import ship
 from towage.models.heave.system import Simulation
 from towage.models.numeric.ops import FLOATS, NEVER
 from towage.scene.compose import scene_unit, unit_of
+from towage.scene.monolithic import monolithic
 from towage.scene.resolve import ResolvedScene, described
 from towage.scene.scene import Scene
 from towage.units.store import locator
-from towage.verify.monolithic import monolithic, solve
+from towage.verify.monolithic import solve
 
 
 def resolved(name: str, case: str | None = None, **values: float) -> ResolvedScene:

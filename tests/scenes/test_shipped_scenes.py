@@ -9,8 +9,9 @@ from msgspec.structs import replace
 from towage.master.master import Master
 from towage.models.heave.system import Simulation
 from towage.result.result import Result
+from towage.scene.monolithic import monolithic
 from towage.scene.scene import Scene, available_scenes
-from towage.verify.monolithic import monolithic, solve
+from towage.verify.monolithic import solve
 
 POUND = 4.4482216152605
 
