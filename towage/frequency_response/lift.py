@@ -187,7 +187,8 @@ def _limit(system: System, hertz: float) -> Limit:
     """Heave of the ship at which the line goes slack, and breaks, at one frequency."""
     here = at_frequency(system, 2.0 * math.pi * hertz)
     weight, bears = float(here.line.static_tension), float(here.line.breaking_load)
-    rod = replace(here, line=replace(here.line, never_slack=1.0))  # until it is slack the line is a spring, and its orbit is symmetric
+    # until it is slack the line is a spring that could push, and its orbit is symmetric
+    rod = replace(here, line=replace(here.line, never_slack=1.0))
     notes = []
 
     def reached(kind: System, tension: float) -> float:
