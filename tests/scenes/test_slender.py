@@ -39,6 +39,11 @@ def run(chosen: Scene) -> Result:
     return result
 
 
+def unblamed(result: Result) -> bool:
+    """Whether nothing is held against a run but that its coupling error is not estimated here."""
+    return result.verdict.word == "marginal" and "not estimated" in result.verdict.reason
+
+
 def without_checks(chosen: Scene) -> Scene:
     return replace(chosen, checks=chosen.checks.without("sdof", "simpler"))
 
@@ -120,7 +125,7 @@ def test_coupled_run_equals_the_monolithic_solution(
 
 def test_stable_body_behind_a_heavy_craft_is_valid() -> None:
     result = run(scene("slender_stable", "20 t craft", stop_time=180.0))
-    assert result.verdict.word == "valid"
+    assert unblamed(result)
     assert all(m.worst > 0.0 for m in result.margins)
     assert simpler(result).message.startswith("not enough")  # the rigid body of this shape yaws away
 
@@ -147,7 +152,7 @@ def test_yaw_grows_at_the_rate_that_the_unit_reports() -> None:
 def test_blunt_tail_takes_yaw_and_flutter_away() -> None:
     for name in ("slender_yaw", "slender_flutter"):
         result = run(without_checks(scene(name, "blunt tail")))
-        assert result.verdict.word == "valid"
+        assert unblamed(result)
         assert abs(result["body.yaw_angle"][-1]) < 0.5 * abs(result["body.yaw_angle"][0])
 
 

@@ -1,4 +1,5 @@
-"""What the units say of their own validity: the worst value of every recorded ``margin_*`` and when."""
+"""What the units say of their own validity: the worst value of every ``margin_*`` at the solver's own points, recorded or not,
+and when."""
 
 from __future__ import annotations
 
@@ -21,10 +22,10 @@ def after(run: Finished) -> list[Finding]:
     import numpy as np
 
     result, shown = run.result, run.scene.scene.checks.report_only
-    for name, values in result.columns.items():
+    for name, values in run.track.columns.items():
         if name.split(".", 1)[1].startswith("margin_") and len(values):
             k = int(np.argmin(values))
-            result.margins.append(Margin(name, float(values[k]), float(result.time[k]), name not in shown))
+            result.margins.append(Margin(name, float(values[k]), float(run.track.time[k]), name not in shown))
     return []
 
 
