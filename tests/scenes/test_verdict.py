@@ -151,7 +151,7 @@ def test_the_record_changes_nothing(scene: str, case: str | None, intervals: tup
     bit. With records every 7.9 s `alvin` was not judged."""
     one, two = (towage.run(scene, case, set={"record.interval": each}, flavour="native") for each in intervals)
     assert np.array_equal(one.step_sizes, two.step_sizes)
-    assert one.verdict == two.verdict and one.comparison == two.comparison
+    assert one.verdict == two.verdict and one.comparison == two.comparison and one.response == two.response
     assert len(one.time) != len(two.time)
     common, here, there = np.intersect1d(np.round(one.time, 9), np.round(two.time, 9), return_indices=True)
     assert len(common) > 10
@@ -323,6 +323,18 @@ def test_the_interval_covers_the_truth() -> None:
         s = statistics.statistics(t, 0.7, {"m": (x, y)})["standard deviation of the m"]
         inside += abs(s.error) <= s.half_width
     assert 95 <= inside <= 100
+
+
+def test_statistics_of_what_does_not_move() -> None:
+    """At rest both: no error; at rest one: not judged, and no number that is none."""
+    t, x = sea(4, 900.0)
+    rest = 0.0 * x
+    for each in statistics.statistics(t, 0.7, {"motion": (rest, rest)}).values():
+        assert (each.error, each.half_width) == (0.0, 0.0) and statistics.word_of(each, 0.05) == "valid"
+    for each in statistics.statistics(t, 0.7, {"motion": (rest, x)}).values():
+        assert each.error == -1.0 and statistics.word_of(each, 0.05) == "not judged"
+    limp = statistics.slack_statistics(t, 0.7, rest, rest)
+    assert limp["share of time slack"].number == 1.0 and limp["share of time slack"].error == 0.0
 
 
 def test_too_short_a_run_says_so() -> None:

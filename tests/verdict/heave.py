@@ -66,7 +66,8 @@ def draw(seed: int, index: int) -> Drawn:
     period = 2.0 * math.pi / omega
     if sea == "regular":
         pair = Pair(*fixed, 0.0, (size,), (omega,), (-0.5 * math.pi,), period)
-        return Drawn(pair, 30.0 * period, 60.0 * period, sea, omega)
+        periods = rng.uniform(60.0, 120.0) if slack else 60.0  # chaos has statistics from 40 periods after settling on
+        return Drawn(pair, 30.0 * period, periods * period, sea, omega)
     if sea == "irregular":  # the narrow band of a swell or the broad one of a wind sea
         width = rng.uniform(0.05, 0.3)
         frequency = omega * np.sort(np.clip(rng.normal(1.0, width, sea_unit.COUNT), 0.4, 2.0))

@@ -23,7 +23,7 @@ try:
 except CompileError as missing:
     pytest.skip(str(missing), allow_module_level=True)
 
-SAMPLE = range(24)
+SAMPLE = range(16)
 """Scenes of the sample, of every kind."""
 SEED = 1969
 

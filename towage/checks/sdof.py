@@ -110,7 +110,7 @@ def after(run: Finished) -> list[Finding]:
         except RunError as error:
             findings = [Finding(TWIN, "warning", None, None, f"failed, so that chaos is not found: {error}")]
     result.comparison = compare(section, compared, run.times, run.system, chaotic)
-    result.response = response(run.system, section, compared.omega, one_way, time)
+    result.response = response(run.system, section, compared.omega, compared.single, compared.time)
     return [*promise(run.system, section), *findings]
 
 
@@ -125,7 +125,8 @@ def too_short(section: SdofCheck, times: Array, system: System) -> Finding | Non
     needed = max(FEWEST, math.ceil(period / step) if step else 0)
     if settled >= needed:
         return None
-    message = f"only {settled} points of the run lie after settling, and a comparison takes {needed}: a period of the driver"
+    what = f"a comparison takes {needed}" + (", a period of the driver" if needed > FEWEST else "")
+    message = f"only {settled} points of the run lie after settling, and {what}"
     remedy = f"a longer run: stop_time >= {section.settle + max(needed * step, period):.4g} s"
     return Finding(NAME, "warning", float(settled), float(needed), message, remedy)
 

@@ -68,9 +68,9 @@ def wave(system: System, driver: str) -> tuple[bool, float | None]:
     unit = next(unit for unit in system.units if unit.name == driver.partition(".")[0])
     if period := unit.constant("heave_period"):
         return True, period
-    height, period = unit.constant("wave_height"), unit.constant("wave_period")
-    if period or height:
-        return False, 2.0 * math.pi / peak_frequency(height or 0.0, period or 0.0)
+    height, period = unit.constant("wave_height") or 0.0, unit.constant("wave_period") or 0.0
+    if period > 0.0 or height > 0.0:
+        return False, 2.0 * math.pi / peak_frequency(height, period)
     return False, None
 
 
