@@ -41,6 +41,28 @@ def case(name: str) -> Result:
     return towage.run(CASES / f"{name}.toml", flavour="python")
 
 
+# ---- inputs ----------------------------------------------------------------------------------------------------------
+
+
+def forgetful(**inputs: float) -> Scene:
+    """A ship in a sea beside a craft; the ship's speed is forgotten unless it is given."""
+    sea = {"wave_height": 2.0, "wave_direction": math.pi, **inputs}
+    return Scene.from_dict(
+        {
+            "title": "forgotten", "stop_time": 2.0, "coupling": {"step": 0.1}, "connections": [],
+            "units": {"ship": {"fmu": "ship_in_sea", "inputs": sea}, "craft": {"fmu": "sway_craft"}},
+        }
+    )  # fmt: skip
+
+
+def test_a_forgotten_input_is_an_item_with_what_to_connect() -> None:
+    """The run is right for a value that nobody chose: marginal at best."""
+    told = items(towage.run(forgetful(), flavour="python"))["inputs"]
+    assert told.word == "marginal" and told.decides and "ship.speed is neither connected nor set" in told.reason
+    assert told.remedy.startswith('connect "craft.tow_speed -> ship.speed"') and "[units.ship.inputs] speed" in told.remedy
+    assert items(towage.run(forgetful(speed=0.0), flavour="python"))["inputs"].word == "valid"
+
+
 # ---- numerics --------------------------------------------------------------------------------------------------------
 
 
