@@ -45,6 +45,7 @@ BENCHMARKS = (
         (Column("^over (Python|bare)", "less"), MOORDYN, Column("^ratio$", "more")), (Curves("^(CPU )?ms per", "^error"),),
         ("cradle",),
     ),
+    Benchmark("card", "The verdict", (Column("over the coupled run$", "less"),)),
     Benchmark("ensemble", "Ensembles", (Column("times faster$", "more"),)),
     Benchmark("native_scene", "A scene as one FMU", (Column("^times faster", "more"),), (Curves("^CPU ms", "^error"),)),
     Benchmark(

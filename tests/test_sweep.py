@@ -402,6 +402,23 @@ def test_table_does_not_depend_on_the_order_of_runs(winch: Path) -> None:
     assert first.done.tolist() == [True, False, True]
 
 
+def test_the_card_is_in_columns(winch: Path, tmp_path: Path) -> None:
+    """Word and number of each item, and the statistics; empty where a run has none."""
+    design = grid(Scene.load(winch), ["winch.amplitude=1:2:2"])
+    measures = {"item:SDOF": 0.03, "sdof:tension_rms": 0.02, "statistics:share of time slack": 0.01}
+    rows = {0: Row(0, "done", "valid", measures=measures, words={"SDOF": "valid", "numerics": "marginal"}), 1: Row(1, "hung")}
+    table = Table.of("t", design, rows, {})
+    assert table.words == {"SDOF": ("valid", ""), "numerics": ("marginal", "")}
+    assert list(table.measures) == ["sdof:tension_rms", "item:SDOF", "statistics:share of time slack"]
+    table.save_csv(tmp_path / "t.csv")
+    table.save_npz(tmp_path / "t.npz")
+    head, first, second = (line.split(",") for line in (tmp_path / "t.csv").read_text().splitlines())
+    assert head[4:7] == ["word:SDOF", "word:numerics", "sdof:tension_rms [1]"]
+    assert first[4:7] == ["valid", "marginal", "0.02"] and second[4:7] == ["", "", ""]
+    with np.load(tmp_path / "t.npz") as arrays:
+        assert arrays["words"].tolist() == [["valid", "marginal"], ["", ""]]
+
+
 def test_attractors_are_told_apart() -> None:
     time = np.arange(0.0, 160.0, 0.1)
     phase = 2.0 * np.pi * time / 8.0

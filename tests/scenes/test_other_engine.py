@@ -57,7 +57,7 @@ LONG = 100
 LOOSE_STEP = 0.1
 """Step, s, of scenes that leave theirs to the error control."""
 STEADY = {"tow_two_units": 0.02, "voyage_tow": 0.05}
-"""Steps, s, at which an order is seen: at voyage_tow's own, 0.25 s, the energy that held inputs make soon rules; at 0.05 s
+"""Steps, s, at which an order is seen: at 0.25 s of voyage_tow the energy that held inputs make soon rules; at 0.05 s
 the stiff cable between two units has not come to its first order yet."""
 SCENES = [scene.name for scene in available_scenes()]
 COUPLED = [name for name in SCENES if name != "float_quadrant2"]

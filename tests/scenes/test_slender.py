@@ -13,6 +13,7 @@ from scipy.linalg import expm
 
 from towage.checks import simpler as judge_slender
 from towage.checks.simpler import SimplerCheck
+from towage.checks.track import Track
 from towage.errors import SceneError
 from towage.master.master import Master
 from towage.models.numeric.ops import FLOATS
@@ -37,6 +38,11 @@ def run(chosen: Scene) -> Result:
     result = Master(chosen, flavour="python").run()
     assert result.status == "done", result.message
     return result
+
+
+def unblamed(result: Result) -> bool:
+    """Whether nothing is held against a run but that its coupling error is not estimated here."""
+    return result.verdict.word == "marginal" and "not estimated" in result.verdict.reason
 
 
 def without_checks(chosen: Scene) -> Scene:
@@ -120,7 +126,7 @@ def test_coupled_run_equals_the_monolithic_solution(
 
 def test_stable_body_behind_a_heavy_craft_is_valid() -> None:
     result = run(scene("slender_stable", "20 t craft", stop_time=180.0))
-    assert result.verdict.word == "valid"
+    assert unblamed(result)
     assert all(m.worst > 0.0 for m in result.margins)
     assert simpler(result).message.startswith("not enough")  # the rigid body of this shape yaws away
 
@@ -147,7 +153,7 @@ def test_yaw_grows_at_the_rate_that_the_unit_reports() -> None:
 def test_blunt_tail_takes_yaw_and_flutter_away() -> None:
     for name in ("slender_yaw", "slender_flutter"):
         result = run(without_checks(scene(name, "blunt tail")))
-        assert result.verdict.word == "valid"
+        assert unblamed(result)
         assert abs(result["body.yaw_angle"][-1]) < 0.5 * abs(result["body.yaw_angle"][0])
 
 
@@ -179,17 +185,20 @@ def test_words_of_the_simpler_model() -> None:
 
     def word(factor: float, margin: float) -> str:
         other = {"b.x": factor * full["b.x"], "b.margin_m": np.full_like(time, margin)}
-        return judge_slender.compare(check, time, full, time, other).message.split(":")[0]
+        return judge_slender.compare(check, time, Track(time, full), Track(time, other)).message.split(":")[0]
 
     assert [word(1.04, 0.5), word(1.04, -0.5), word(1.06, 0.5), word(0.9, -1.0)] == [
         "enough", "barely enough", "not enough", "not enough",
     ]  # fmt: skip
-    short = judge_slender.compare(check, time, full, time[:50], {k: v[:50] for k, v in full.items()})
+    short = judge_slender.compare(check, time, Track(time, full), Track(time[:50], {k: v[:50] for k, v in full.items()}))
     assert "ended early" in short.message
-    still = judge_slender.compare(
-        replace(check, margin=None), time, {"b.x": 0.0 * time}, time, {"b.x": full["b.x"]}
-    )
+    rest = Track(time, {"b.x": 0.0 * time})
+    still = judge_slender.compare(replace(check, margin=None), time, rest, Track(time, full))
     assert still.message.startswith("not enough")
+    odd = time[::2]  # at other points of its own: between them it is a cubic
+    assert judge_slender.compare(check, time, Track(time, full), Track(odd, {
+        "b.x": full["b.x"][::2], "b.margin_m": np.ones_like(odd)
+    })).message.startswith("enough")  # fmt: skip
 
 
 @pytest.mark.parametrize(

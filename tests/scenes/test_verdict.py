@@ -41,6 +41,28 @@ def case(name: str) -> Result:
     return towage.run(CASES / f"{name}.toml", flavour="python")
 
 
+# ---- inputs ----------------------------------------------------------------------------------------------------------
+
+
+def forgetful(**inputs: float) -> Scene:
+    """A ship in a sea beside a craft; the ship's speed is forgotten unless it is given."""
+    sea = {"wave_height": 2.0, "wave_direction": math.pi, **inputs}
+    return Scene.from_dict(
+        {
+            "title": "forgotten", "stop_time": 2.0, "coupling": {"step": 0.1}, "connections": [],
+            "units": {"ship": {"fmu": "ship_in_sea", "inputs": sea}, "craft": {"fmu": "sway_craft"}},
+        }
+    )  # fmt: skip
+
+
+def test_a_forgotten_input_is_an_item_with_what_to_connect() -> None:
+    """The run is right for a value that nobody chose: marginal at best."""
+    told = items(towage.run(forgetful(), flavour="python"))["inputs"]
+    assert told.word == "marginal" and told.decides and "ship.speed is neither connected nor set" in told.reason
+    assert told.remedy.startswith('connect "craft.tow_speed -> ship.speed"') and "[units.ship.inputs] speed" in told.remedy
+    assert items(towage.run(forgetful(speed=0.0), flavour="python"))["inputs"].word == "valid"
+
+
 # ---- numerics --------------------------------------------------------------------------------------------------------
 
 
@@ -84,7 +106,7 @@ def test_what_is_recorded_changes_no_word() -> None:
     few = towage.run("slack", set={"record.variables": ["ship.heave"]}, flavour="python")
     assert few.verdict.word == "valid" and list(few.columns) == ["ship.heave"]
     told, all_told = items(few), items(towage.run("slack", flavour="python"))
-    assert told["numerics"] == all_told["numerics"] and told["SDOF"] == all_told["SDOF"]
+    assert told == all_told
 
 
 def finding(value: float | None, level: str = "ok") -> Result:
@@ -107,11 +129,11 @@ def test_nothing_is_judged_on_wrong_numbers() -> None:
     assert verdict([unknown, broken]).word == "invalid", "a failed estimate takes nothing back"
 
 
-def test_an_absent_estimate_is_said_and_a_failed_one_decides() -> None:
+def test_without_an_estimate_the_word_is_marginal_at_best_and_not_judged_where_it_fails() -> None:
     off = towage.run("slack", set={"coupling.error_estimate": False}, flavour="python")
     told = items(off)["numerics"]
-    assert (told.word, told.decides, told.remedy) == ("not judged", False, "set coupling.error_estimate = true")
-    assert "numerics" in text_summary(off)
+    assert (told.word, told.decides, told.remedy) == ("marginal", True, "set coupling.error_estimate = true")
+    assert off.verdict.word == "marginal" and off.verdict.remedy == told.remedy and "numerics" in text_summary(off)
     failed = error.item(finding(None, "warning"))
     assert failed is not None and failed.decides and verdict([failed, Item("valid", "", 0.5, 0.0)]).word == "not judged"
 
@@ -141,19 +163,77 @@ def test_between_its_points_a_track_is_a_cubic() -> None:
 
 
 def test_comparison_times() -> None:
-    assert np.array_equal(comparison_times(1.0, 0.1, 7.9), 0.1 * np.arange(11))
-    assert np.array_equal(comparison_times(1.0, 0.1, 0.05), 0.05 * np.arange(21))
-    assert len(comparison_times(100.0, None, 0.05)) == 2001
+    assert np.array_equal(comparison_times(1.0, 0.1), 0.1 * np.arange(11))
+    assert len(comparison_times(100.0, None)) == 2001 and len(comparison_times(100.0, None, 5000)) == 5001
 
 
-@pytest.mark.parametrize("interval", [0.1, 7.9])
-def test_under_error_control_the_comparison_does_not_hang_on_the_record(interval: float) -> None:
-    """The numerics item does: record times cut the steps of an error control, and with few of them the estimate of this
-    subharmonic is 21 %, which is said ("not judged")."""
-    result = towage.run("alvin", "25 ft", set={"record.interval": interval}, flavour="python")
-    assert result.comparison is not None and result.comparison.rms == pytest.approx(0.0773, abs=5e-4)
-    assert items(result)["SDOF"].word == "invalid"
-    assert result.verdict.word == ("invalid" if items(result)["numerics"].word == "valid" else "not judged")
+@pytest.mark.parametrize(("scene", "case", "intervals"), [("alvin", "25 ft", (0.1, 7.9)), ("slack", None, (0.03, 0.125))])
+def test_the_record_changes_nothing(scene: str, case: str | None, intervals: tuple[float, float]) -> None:
+    """Under error control and with a fixed step: record times cut no step, so that words and numbers are the same to the
+    bit. With records every 7.9 s `alvin` was not judged."""
+    one, two = (towage.run(scene, case, set={"record.interval": each}, flavour="native") for each in intervals)
+    assert np.array_equal(one.step_sizes, two.step_sizes)
+    assert one.verdict == two.verdict and one.comparison == two.comparison and one.response == two.response
+    assert len(one.time) != len(two.time)
+    common, here, there = np.intersect1d(np.round(one.time, 9), np.round(two.time, 9), return_indices=True)
+    assert len(common) > 10
+    for name, values in one.columns.items():
+        assert np.allclose(values[here], two.columns[name][there], rtol=1e-6, atol=1e-9), name
+
+
+def test_records_between_the_steps_lie_on_the_motion() -> None:
+    """Read off cubics, slack and taut again included: against a run with a tenth of the step, a hundredth of a millimetre."""
+    fine = towage.run("slack", set={"coupling.step": 0.0125, "record.interval": 0.025}, flavour="native")
+    coarse = towage.run("slack", set={"record.interval": 0.025}, flavour="native")
+    assert np.array_equal(fine.time, coarse.time)
+    motion = fine["cradle.heave"]
+    assert np.abs(coarse["cradle.heave"] - motion).max() < 1e-3 * motion.std()
+
+
+def test_no_cubic_reaches_over_an_event() -> None:
+    """The time of an event stands twice; what changes at events only keeps its value."""
+    time = np.array([0.0, 0.5, 1.0, 1.0, 1.5, 2.0])
+    columns = {"a.x": np.array([0.0, 0.25, 1.0, 5.0, 5.0, 5.0]), "a.m": np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])}
+    track = Track(time, columns, frozenset({"a.m"}))
+    wanted = np.array([0.75, 1.0 - 1e-6, 1.0, 1.25])
+    assert track.at("a.x", wanted) == pytest.approx([0.5625, 1.0, 5.0, 5.0], abs=1e-5)
+    assert track.at("a.m", wanted).tolist() == [0.0, 0.0, 1.0, 1.0]
+
+
+# ---- hard input ------------------------------------------------------------------------------------------------------
+
+SHORT = {"stop_time": "40 s", "checks.sdof.settle": "16 s"}
+HARD = {
+    "zero drag": {"cradle.drag_area": 0.0},
+    "zero amplitude": {"ship.heave_amplitude": 0.0},
+    "zero weight": {"cradle.weight_in_water": 0.0},
+    "all of them zero": {"cradle.drag_area": 0.0, "ship.heave_amplitude": 0.0, "cradle.weight_in_water": 0.0},
+    "one frequency": {"ship.stiffness": "4.16 tonf_long/ft"},
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_every_item_has_a_word_for_hard_input(name: str) -> None:
+    """No item vanishes and no check breaks, before the run and after it; one frequency is that of ship, body and wave."""
+    result = towage.run("slack", set={**SHORT, **HARD[name]}, flavour="native")
+    told = items(result)
+    assert result.status == "done" and {"inputs", "numerics", "SDOF", "premises"} <= set(told)
+    assert not [f for f in result.checks if "could not be judged" in f.message]
+    assert all(item.number is None or not math.isnan(item.number) for item in told.values())
+    scene = Scene.load("slack").setting({**SHORT, **HARD[name]}, "test")
+    found = {f.name for f in check_resolved(resolve(scene, None, "native"))}
+    assert {"SDOF before the run", "length for statistics"} <= found
+    if "amplitude" in name or name.startswith("all"):
+        assert told["SDOF"].word == "valid" and told["SDOF"].number == 0.0, "nothing moves, with the line or without"
+
+
+@pytest.mark.parametrize(("stop", "settle"), [("0.125 s", 0.0), ("0.25 s", 0.0), ("40 s", "39.99 s"), ("40 s", "36 s")])
+def test_a_comparison_of_less_than_a_period_is_not_judged(stop: str, settle: str | float) -> None:
+    """One sample, two, none after settling, half a period: they look alike whatever the line does. The word was valid."""
+    result = towage.run("slack", set={"stop_time": stop, "checks.sdof.settle": settle}, flavour="native")
+    told = items(result)["SDOF"]
+    assert result.verdict.word == "not judged" and told.word == "not judged"
+    assert told.remedy.startswith("a longer run: stop_time >= ")
 
 
 # ---- SDOF ------------------------------------------------------------------------------------------------------------
@@ -258,13 +338,25 @@ def test_statistics_of_one_sea_are_paired() -> None:
 
 
 def test_the_interval_covers_the_truth() -> None:
-    """Two independent seas of one spectrum width: 95 % intervals hold the error 0 in about 95 of 100 pairs."""
+    """Two independent seas of one spectrum width: intervals of 1 - 5 %/6 hold the error 0 in about 99 of 100 pairs."""
     inside = 0
     for k in range(100):
         (t, x), (_, y) = sea(2 * k, 1800.0), sea(2 * k + 1, 1800.0)
         s = statistics.statistics(t, 0.7, {"m": (x, y)})["standard deviation of the m"]
         inside += abs(s.error) <= s.half_width
-    assert 85 <= inside <= 100
+    assert 95 <= inside <= 100
+
+
+def test_statistics_of_what_does_not_move() -> None:
+    """At rest both: no error; at rest one: not judged, and no number that is none."""
+    t, x = sea(4, 900.0)
+    rest = 0.0 * x
+    for each in statistics.statistics(t, 0.7, {"motion": (rest, rest)}).values():
+        assert (each.error, each.half_width) == (0.0, 0.0) and statistics.word_of(each, 0.05) == "valid"
+    for each in statistics.statistics(t, 0.7, {"motion": (rest, x)}).values():
+        assert each.error == -1.0 and statistics.word_of(each, 0.05) == "not judged"
+    limp = statistics.slack_statistics(t, 0.7, rest, rest)
+    assert limp["share of time slack"].number == 1.0 and limp["share of time slack"].error == 0.0
 
 
 def test_too_short_a_run_says_so() -> None:
@@ -276,14 +368,56 @@ def test_too_short_a_run_says_so() -> None:
     assert told is not None and told.word == "not judged" and "40 periods" in told.remedy
 
 
+def length(scene: Scene) -> Finding:
+    """What `towage check` says of the length that statistics need."""
+    return next(f for f in check_resolved(resolve(scene, None, "python")) if f.name == "length for statistics")
+
+
+def test_the_length_that_statistics_need_is_said_before_the_run() -> None:
+    """Forty periods after settling: of the wave in a regular sea, in chaos alone; of the peak in an irregular one."""
+    slack = Scene.load("slack")
+    settle, period = slack.checks.get("sdof").settle, 8.0
+    values = {"ship.heave_period": period}
+    found = length(slack.setting({**values, "stop_time": settle + 39.0 * period}, "test"))
+    assert (found.level, found.limit) == ("info", pytest.approx(settle + 40.0 * period)) and "in chaos alone" in found.message
+    assert found.remedy.startswith("stop_time >= ")
+    assert length(slack.setting({**values, "stop_time": settle + 41.0 * period}, "test")).level == "ok"
+    sea = Scene.load("voyage_tow")
+    found = length(sea)
+    assert found.level == "ok" and "an irregular sea" in found.message
+    short = length(sea.setting({"stop_time": sea.checks.get("sdof").settle + 100.0}, "test"))
+    assert short.level == "warning" and short.remedy.startswith("stop_time >= ")
+
+
 def test_word_needs_the_whole_interval_on_one_side() -> None:
     words = [statistics.word_of(Statistic(e, h), 0.05) for e, h in ((0.02, 0.02), (-0.02, 0.04), (0.1, 0.02), (0.06, 0.02))]
     assert words == ["valid", "not judged", "invalid", "not judged"]
 
 
 def test_student() -> None:
-    for freedom, point in ((3, 3.182), (5, 2.571), (10, 2.228), (19, 2.093)):
-        assert statistics.student(freedom) == pytest.approx(point, rel=0.01)
+    """Tables: t at 0.05/12, both sides together 0.05/6, by interpolation of 0.005 and 0.0025."""
+    for freedom, low, high in ((3, 5.841, 7.453), (5, 4.032, 4.773), (10, 3.169, 3.581), (19, 2.861, 3.174)):
+        assert low < statistics.student(freedom) < high
+
+
+def test_slack_is_counted_and_judged() -> None:
+    """A tenth of the time slack, once a period, against a run with a fifth."""
+    t = np.arange(0.0, 1000.0, 0.05)
+
+    def tension(share: float) -> np.ndarray:
+        return np.where(t % 10.0 < 10.0 * share, 0.0, 1e5)
+
+    omega = 2.0 * math.pi / 10.0
+    found = statistics.slack_statistics(t, omega, tension(0.2), tension(0.1))
+    share, events = found["share of time slack"], found["times slack a period"]
+    assert share.error == pytest.approx(0.1, abs=1e-3) and share.number == pytest.approx(0.1, abs=1e-3)
+    assert statistics.word_of(share, 0.05) == "invalid"
+    assert events.number == pytest.approx(6.0, rel=0.02), "events a minute"
+    assert abs(events.error) < 0.01 and statistics.word_of(events, 0.05) == "valid"
+    assert statistics.slack_statistics(t, omega, 1e5 + t, 1e5 + t) == {}
+    short = slice(0, 4000)
+    few = statistics.slack_statistics(t[short], omega, tension(0.2)[short], tension(0.1)[short])
+    assert all(each.half_width == math.inf for each in few.values())
 
 
 # ---- the card --------------------------------------------------------------------------------------------------------
@@ -291,8 +425,8 @@ def test_student() -> None:
 
 def test_the_card_is_in_summary_json_file_and_report(tmp_path: Path) -> None:
     result = towage.run("slack", flavour="python")
-    assert list(items(result)) == ["numerics", "SDOF", "premises"]
-    assert [each["name"] for each in result.summary()["verdict"]["items"]] == ["numerics", "SDOF", "premises"]
+    assert list(items(result)) == ["inputs", "numerics", "SDOF", "premises"]
+    assert [each["name"] for each in result.summary()["verdict"]["items"]] == ["inputs", "numerics", "SDOF", "premises"]
     result.save_npz(tmp_path / "run.npz")
     assert Result.load_npz(tmp_path / "run.npz").verdict == result.verdict
     page = write_report(result, tmp_path / "run.html").read_text("utf-8")

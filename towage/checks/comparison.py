@@ -25,7 +25,7 @@ from towage.checks.signals import (
     repeats_after,
     share_of_nothing,
 )
-from towage.checks.statistics import deciding, statistics, word_of
+from towage.checks.statistics import deciding, slack_statistics, statistics, word_of
 from towage.checks.track import Track
 from towage.models.heave import linear, sdof
 from towage.models.numeric.ops import FLOATS
@@ -54,17 +54,23 @@ class Theory(NamedTuple):
     frequency_shift: float | None = None
 
 
+def suspended(system: System, check: SdofCheck) -> tuple[float, float, float] | None:
+    """(mass, kg; stiffness, N/m; quadratic drag, kg/m) of the body on its line, None if some constant is not known."""
+    units = {unit.name: unit for unit in system.units}
+    line, body = units[check.tension.split(".")[0]], units[check.motion.split(".")[0]]
+    mass = body.constant("virtual_mass") or body.constant("port_mass")
+    stiffness, drag = line.constant("port_stiffness"), body.constant("drag_factor")
+    return (mass, stiffness, drag) if mass and stiffness and drag is not None else None
+
+
 def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
     """Ship, line and body of the comparison, None if some constant is not known."""
     units = {unit.name: unit for unit in system.units}
-    line = units[check.tension.split(".")[0]]
-    body = units[check.motion.split(".")[0]]
-    ship, amplitude = ship_of(system, check), units[check.ship].constant("heave_amplitude")
-    k2, m2, drag = line.constant("port_stiffness"), body.constant("virtual_mass"), body.constant("drag_factor")
-    m2 = m2 or body.constant("port_mass")
-    if not (ship and amplitude and k2 and m2) or drag is None or body.constant("linear_damping"):
-        return None  # nor does the theory know linear damping beside the drag
-    return sdof.Pair(*ship, m2, k2, drag, amplitude)
+    amplitude = units[check.ship].constant("heave_amplitude")
+    ship, body = ship_of(system, check), suspended(system, check)
+    if not (ship and body and amplitude) or units[check.motion.split(".")[0]].constant("linear_damping"):
+        return None  # the theory knows no linear damping beside the drag
+    return sdof.Pair(*ship, *body, amplitude)
 
 
 def theory(system: System, check: SdofCheck) -> Theory:
@@ -165,7 +171,7 @@ def compare(check: SdofCheck, runs: Runs, times: Array, system: System, chaotic:
     bound = None if indicator is None else indicator / (1.0 - indicator) if indicator < 1.0 else math.inf
     told: dict[str, Statistic] = {}
     if omega and (chaotic or runs.irregular):
-        told = statistics(t, omega, {"motion": (x1, x2), "tension": (T1, T2)})
+        told = statistics(t, omega, {"motion": (x1, x2), "tension": (T1, T2)}) | slack_statistics(t, omega, T1, T2)
     worst = max(abs(amplitude), abs(tension), rms, tension_rms)
     word: Word = "invalid" if worst > check.tolerance else "marginal" if bound and bound > check.tolerance else "valid"
     known = theory(system, check)
@@ -199,8 +205,8 @@ def _indicator(check: SdofCheck, runs: Runs, times: Array, system: System) -> fl
     """eps, None where the ship does not tell its dynamic stiffness or does not move: the largest of abs(D2/D1) at the dominant
     frequency, and of swing and standard deviation of the motion that the whole reaction of the one-way run, all its harmonics
     and transients, makes by way of the ship, over those of the one-way motion. The ship is the linear one that it reports; the
-    body follows it on a taut line with the equivalent damping of its motion. Where line and body do not tell enough, the
-    ship's response over its own motion."""
+    body follows it on a taut line with the linear damping that takes as much power as the drag of its motion. Where line and
+    body do not tell enough, the ship's response over its own motion."""
     ship = ship_of(system, check)
     if not runs.omega or not ship:
         return None
@@ -212,16 +218,23 @@ def _indicator(check: SdofCheck, runs: Runs, times: Array, system: System) -> fl
     dominant = abs(component(runs.time, runs.single[check.reaction], runs.omega)) / restoring
     moved = oscillator(times, runs.one_way.at(check.reaction, times), *ship)
     reference = driver
-    if known := pair(system, check):
+    if body := suspended(system, check):
+        mass, stiffness, drag = body
         reference = runs.single[check.motion]
-        size = abs(component(runs.time, reference, runs.omega))
-        damping = linear.equivalent_damping(known.drag, runs.omega, size)
-        moved = oscillator(times, known.stiffness * moved, known.mass, damping, known.stiffness)
+        moved = oscillator(times, stiffness * moved, mass, _damping(runs.time, reference, drag), stiffness)
     moved = moved[times >= check.settle]
     swing, spread = peak(reference) + peak(-reference), float(reference.std())
     if not spread:
         return dominant
     return max(dominant, (peak(moved) + peak(-moved)) / swing, float(moved.std()) / spread)
+
+
+def _damping(time: Array, motion: Array, drag: float) -> float:
+    """c, N s/m, that takes as much power from a motion as its drag b |v| v: b mean(|v|^3)/mean(v^2), which is
+    8 b omega A/(3 pi) for a harmonic one (`towage.models.heave.linear.equivalent_damping`)."""
+    speed = np.abs(np.gradient(motion, time))
+    squares = float(np.mean(speed**2))
+    return drag * float(np.mean(speed**3)) / squares if squares else 0.0
 
 
 def oscillator(time: Array, push: Array, mass: float, damping: float, stiffness: float) -> Array:

@@ -5,13 +5,13 @@ scheme of order p (Richardson), for every recorded variable but margins, whether
 
 The word takes another measure, that of the comparisons it guards: the rms of the estimated error over the standard deviation
 of the signal, from the settling time of the SDOF check on, for the signals that the checks judge; without such a check for all
-recorded motions and forces. Beyond the tolerance nothing is judged, beyond a fifth of it the word is marginal at best.
+recorded motions and forces. Beyond the tolerance nothing is judged, beyond a fifth of it the word is marginal at best, and so
+it is where the scene does without the estimate, for nobody knows then.
 Richardson's estimate is asymptotic, and no bound.
 """
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from towage.checks.check import Check, Finished
@@ -36,6 +36,8 @@ DEFAULT_TOLERANCE = 0.05
 """Of the word where no check sets one."""
 SHARE = 0.2
 """Share of the tolerance beyond which the word is marginal at best."""
+FEWEST = 2
+"""Points from which an error is told."""
 AT_REST = 1e-9
 """Standard deviation over the largest value of a signal that does not move but for rounding."""
 
@@ -61,7 +63,7 @@ def after(run: Finished) -> list[Finding]:
     except RunError as error:
         message = f"the coupling error could not be estimated, the run with longer steps failed: {error}"
         return [Finding(NUMERICS, "warning", None, tolerance, message, "take a shorter step")]
-    times = run.times if run.step is None else comparison_times(float(run.times[-1]), 2.0 * run.step, math.inf)
+    times = run.times if run.step is None else comparison_times(float(run.times[-1]), 2.0 * run.step)
     share = 1.0 / (2.0**run.order - 1.0) if run.order else 1.0
     errors: dict[str, Array] = {}
     values: dict[str, Array] = {}
@@ -72,6 +74,9 @@ def after(run: Finished) -> list[Finding]:
         if name in run.result.columns and (scale := float(np.max(np.abs(values[name]), initial=0.0))):
             run.result.coupling_error[name] = float(np.max(np.abs(errors[name]))) / scale
     settled = times >= (section.settle if section else 0.0)
+    if settled.sum() < FEWEST:
+        message = "the coupling error cannot be told: fewer than two points that both runs have lie after settling"
+        return [Finding(NUMERICS, "warning", None, tolerance, message, "a longer run, or a shorter step")]
     shares = {name: _share(values, errors, name, settled) for name in decide or values}
     if not shares:
         return [Finding(NUMERICS, "warning", None, tolerance, "nothing is recorded of which the error could be told")]
@@ -114,13 +119,13 @@ def item(result: Result) -> Item | None:
     value, limit = finding.value, finding.limit
     chaotic = bool(result.comparison and result.comparison.chaotic)
     if value is None:
-        chosen = finding.level == "info"
-        return Item("not judged", finding.message, None, limit, None, finding.remedy, NUMERICS, decides=not chosen)
+        word: Word = "marginal" if finding.level == "info" else "not judged"
+        return Item(word, finding.message, None, limit, None, finding.remedy, NUMERICS)
     assert limit is not None
     if chaotic:
         reason = f"{finding.message}: of chaos it tells nothing, its statistics decide"
         return Item("not judged", reason, value, limit, None, "", NUMERICS, decides=False)
-    word: Word = "valid" if value <= SHARE * limit else "marginal" if value <= limit else "not judged"
+    word = "valid" if value <= SHARE * limit else "marginal" if value <= limit else "not judged"
     shown = SHARE * limit if word == "marginal" else limit
     return Item(word, finding.message, value, shown, None, finding.remedy, NUMERICS)
 

@@ -1,4 +1,5 @@
-"""What the units say of their own validity: the worst value of every recorded ``margin_*`` and when.
+"""What the units say of their own validity: the worst value of every ``margin_*`` at the solver's own points, recorded or not,
+and when.
 
 A margin that bounds an error is 1 - error/limit; its unit says so in the variable's description, by `ERROR`, and other
 checks add such margins to the result themselves. The card then shows the error.
@@ -32,12 +33,12 @@ def after(run: Finished) -> list[Finding]:
 
     result, shown = run.result, run.scene.scene.checks.report_only
     known = {margin.variable for margin in result.margins}
-    for name, values in result.columns.items():
+    for name, values in run.track.columns.items():
         unit, variable = name.split(".", 1)
         if variable.startswith("margin_") and len(values) and name not in known:
             k = int(np.argmin(values))
             told = run.scene.units[unit].description.by_name()[variable].description
-            margin = Margin(name, float(values[k]), float(result.time[k]), name not in shown)
+            margin = Margin(name, float(values[k]), float(run.track.time[k]), name not in shown)
             result.margins.append(with_error(margin, told))
     return []
 

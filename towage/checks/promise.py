@@ -31,7 +31,8 @@ def promise(system: System, section: SdofCheck) -> list[Finding]:
 
     known = pair(system, section)
     if not known:
-        return []
+        message = "nothing can be said before the run: the ship does not move, or ship, line and body do not tell enough"
+        return [Finding(NAME, "info", None, None, message)]
     estimate, limit = sdof.closed_form_of(known), RULE * section.tolerance
     omega, error, _ = sdof.worst(known, LOW, HIGH, POINTS)
     line = next(unit for unit in system.units if unit.name == section.tension.split(".")[0])

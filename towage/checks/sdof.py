@@ -8,7 +8,7 @@ runs are compared:
 | valid | amplitude, peak tension, rms of motion and tension within the tolerance e, and the estimate eps/(1 - eps) too |
 | marginal | measured differences within e, but the estimate is not: a slightly different sea may break it |
 | invalid | a measured difference exceeds e |
-| not judged | chaos whose statistics are too uncertain |
+| not judged | chaos whose statistics are too uncertain, or less than a period after settling |
 
 A motion that does not repeat after 1 to 8 periods of its driver gets a twin, started 1e-9 apart. Where the twin drifts away
 the motion is chaotic, and the statistics alone decide (`statistics`); in an irregular sea they decide too.
@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from towage.checks.check import Cell, Check, Finished, Part, Start, window
+from towage.checks.check import Cell, Check, Finished, Part, Start, System, window
 from towage.checks.sdof_section import SdofCheck
 from towage.checks.verdict import NUMERICS
 from towage.errors import RunError, suggest
@@ -35,6 +35,7 @@ from towage.scene.scene import Scene
 from towage.scene.tables import Tables
 
 if TYPE_CHECKING:
+    from towage.checks.signals import Array
     from towage.result.result import Result
     from towage.scene.values import Names
 
@@ -99,6 +100,8 @@ def after(run: Finished) -> list[Finding]:
     if len(time) < len(result.time):
         return [Finding(RUN, "warning", None, None, "ended early")]
     result.one_way = {name: one_way[name] for name in result.columns if name in one_way}
+    if short := too_short(section, run.times, run.system):
+        return [short]
     compared = runs(section, run.times, run.track, run.track_of(RUN))
     findings, chaotic = [], False
     if not compared.periods:
@@ -107,12 +110,31 @@ def after(run: Finished) -> list[Finding]:
         except RunError as error:
             findings = [Finding(TWIN, "warning", None, None, f"failed, so that chaos is not found: {error}")]
     result.comparison = compare(section, compared, run.times, run.system, chaotic)
-    result.response = response(run.system, section, compared.omega, one_way, time)
+    result.response = response(run.system, section, compared.omega, compared.single, compared.time)
     return [*promise(run.system, section), *findings]
+
+
+def too_short(section: SdofCheck, times: Array, system: System) -> Finding | None:
+    """Where less than a period of the driver lies after settling, or too few points for one: two runs look alike then whatever
+    they do. ``times``, s: those of the whole run."""
+    from towage.checks.signals import FEWEST
+    from towage.checks.statistics import wave
+
+    settled, step = int((times >= section.settle).sum()), float(times[1] - times[0]) if len(times) > 1 else 0.0
+    period = wave(system, section.driver)[1] or 0.0
+    needed = max(FEWEST, math.ceil(period / step) if step else 0)
+    if settled >= needed:
+        return None
+    what = f"a comparison takes {needed}" + (", a period of the driver" if needed > FEWEST else "")
+    message = f"only {settled} points of the run lie after settling, and {what}"
+    remedy = f"a longer run: stop_time >= {section.settle + max(needed * step, period):.4g} s"
+    return Finding(NAME, "warning", float(settled), float(needed), message, remedy)
 
 
 def item(result: Result) -> Item | None:
     """The word of the comparison with the number that decided; chaos is left to the statistics."""
+    if short := next((f for f in result.checks if f.name == NAME), None):
+        return Item("not judged", short.message, short.value, short.limit, None, short.remedy, NAME)
     failed = next((f for f in result.checks if f.name == RUN), None)
     if not (c := result.comparison):
         return Item("not judged", f"the one-way run {failed.message}", None, None, name=NAME) if failed else None

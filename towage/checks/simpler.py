@@ -15,7 +15,6 @@ rms(simpler - full)/rms(full - mean). The words are of the simpler model and non
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -28,6 +27,7 @@ from towage.scene.scene import Scene
 
 if TYPE_CHECKING:
     from towage.checks.signals import Array
+    from towage.checks.track import Track
     from towage.result.result import Result
     from towage.scene.values import Names
 
@@ -72,37 +72,39 @@ def variants(scene: Scene) -> list[Variant]:
     return [Variant(RUN, _simpler(scene, scene.checks.get("simpler")))]
 
 
+def reads(scene: Scene) -> tuple[str, ...]:
+    """What is compared."""
+    section = scene.checks.get("simpler")
+    return (*section.motions, *((section.margin,) if section.margin else ()))
+
+
 def after(run: Finished) -> list[Finding]:
     """The comparison with the simpler model; a warning where its run fails."""
     try:
-        time, simpler = run.again(RUN)
+        simpler = run.track_of(RUN)
     except RunError as error:
         return [Finding(RUN, "warning", None, None, f"failed: {error}")]
-    return [compare(run.scene.scene.checks.get("simpler"), run.result.time, run.columns, time, simpler)]
+    return [compare(run.scene.scene.checks.get("simpler"), run.times, run.track, simpler)]
 
 
-def compare(
-    check: SimplerCheck, time: Array, full: Mapping[str, Array], simpler_time: Array, simpler: Mapping[str, Array]
-) -> Finding:
-    """The finding, with the largest difference and the tolerance. Times (s) are matched; a simpler run that ended early
-    is not enough."""
+def compare(check: SimplerCheck, times: Array, full: Track, simpler: Track) -> Finding:
+    """The finding, with the largest difference and the tolerance; a simpler run that ended early is not enough. ``times``,
+    s: those of the whole run."""
     import numpy as np
 
     from towage.checks.signals import difference
 
-    _, here, there = np.intersect1d(np.round(time, 9), np.round(simpler_time, 9), return_indices=True)
-    settled = time[here] >= check.settle
-    here, there = here[settled], there[settled]
+    settled = times[times >= check.settle]
     change = ", ".join(f"{key} = {value}" for key, value in check.set.items())
-    if len(here) < 2 or simpler_time[-1] < time[-1] - SAME_TIME:
+    if len(settled) < 2 or simpler.time[-1] < full.time[-1] - SAME_TIME:
         return Finding(RUN, "info", None, check.tolerance, f"not enough: with {change} the run ended early")
     worst, what = 0.0, "nothing moves"
     for name in check.motions:
-        off = difference(full[name][here], simpler[name][there])
+        off = difference(full.at(name, settled), simpler.at(name, settled))
         for size, kind in ((abs(off.amplitude), "swing"), (off.rms, "rms")):
             if not size <= worst:
                 worst, what = size, f"{kind} difference of {name} is {100.0 * size:.3g} %"
-    trust = float(np.min(simpler[check.margin])) if check.margin else 1.0
+    trust = float(np.min(simpler.columns[check.margin])) if check.margin else 1.0
     word = "not enough" if not worst <= check.tolerance else "barely enough" if trust < 0.0 else "enough"
     own = f"; its {check.margin} falls to {trust:.3g}" if check.margin else ""
     message = f"{word}: with {change} the largest difference is: {what}{own}"
@@ -127,6 +129,7 @@ CHECK = Check(
     read=read,
     fit=fit,
     variants=variants,
+    reads=reads,
     after=after,
     item=item,
     summary=lambda result: told(result, RUN),

@@ -49,31 +49,24 @@ def asked(scene: Scene, given: Result, tolerance: float | None) -> Asked:
     found = [section for section in (sdof, simpler) if section]
     settle = max((section.settle for section in found), default=0.0)
     limit = tolerance or min((section.tolerance for section in found), default=DEFAULT_TOLERANCE)
-    step = scene.coupling.step
-    interval = bare(scene).record.interval or step or math.inf
-    times = comparison_times(float(given.time[-1]), step, interval)
+    times = comparison_times(float(given.time[-1]), scene.coupling.step, len(given.time))
     return Asked(tuple(dict.fromkeys(named)), sdof.driver if sdof else "", settle, limit, times[times >= settle])
 
 
 def bare(scene: Scene) -> Scene:
-    """The scene as a rung is run: one run, no comparisons, every output at the solver's own points. A record that cuts the
-    steps cuts them still, but no coarser than comparisons are made."""
+    """The scene as a rung is run: one run, no comparisons, every output at every communication point."""
     scene = scene.without_comparisons()
-    interval, step = scene.record.interval, scene.coupling.step
-    if interval is not None:
-        interval = min(interval, scene.stop_time / FEWEST) if step is None else interval if interval < step else None
     coupling = structs.replace(scene.coupling, error_estimate=False)
-    return structs.replace(scene, coupling=coupling, record=Record(interval))
+    return structs.replace(scene, coupling=coupling, record=Record())
 
 
 def coarse(scene: Scene) -> Scene:
     """The scene with doubled step, or tenfold tolerance."""
-    coupling, record = scene.coupling, scene.record
+    coupling = scene.coupling
     if coupling.step is None:
         assert coupling.tolerance is not None
         return structs.replace(scene, coupling=structs.replace(coupling, tolerance=10.0 * coupling.tolerance))
-    coupling = structs.replace(coupling, step=2.0 * coupling.step)
-    return structs.replace(scene, coupling=coupling, record=structs.replace(record, interval=None))
+    return structs.replace(scene, coupling=structs.replace(coupling, step=2.0 * coupling.step))
 
 
 def of_both(asked: Asked, step: float | None) -> Asked:

@@ -90,7 +90,7 @@ def run_resolved(
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
             others = OtherRuns(resolved, settings, stages, make_unit)
-            times = comparison_times(settings.stop_time, settings.step, settings.record_interval)
+            times = comparison_times(settings.stop_time, settings.step, len(track.time))
             _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))
             stages.done()
         return result
@@ -166,7 +166,7 @@ class OtherRuns:
         try:
             system = started(scene, self._make_unit, self._resolved)
             try:
-                recorder = _recorder(system, None)
+                recorder = _recorder(system, settings)
                 simulate(system, settings, recorder, self._stages.progress(name, settings.stop_time))
             finally:
                 system.close()
@@ -196,13 +196,12 @@ def nudged(resolved: ResolvedScene, unit: str) -> ResolvedScene:
 
 
 def _coarse(settings: Settings) -> Settings:
-    step, tolerance, interval = settings.step, settings.tolerance, settings.record_interval
+    step, tolerance = settings.step, settings.tolerance
     return replace(
         settings,
         step=step and COARSE * step,
         tolerance=tolerance and COARSE_TOLERANCE * tolerance,
         max_step=COARSE * settings.max_step,
-        record_interval=max(interval, COARSE * step) if step else interval,
     )
 
 
@@ -211,7 +210,7 @@ def _coupled_run(
 ) -> tuple[Columns, Track]:
     """Every observed output of the coupled run, as recorded and at all communication points; those that are recorded,
     events and counts go to the result, which is a failed one where the run fails."""
-    recorder = _recorder(system, journal)
+    recorder = _recorder(system, settings, journal)
     try:
         run = simulate(system, settings, recorder, stages.progress(MAIN, settings.stop_time))
     except RunError as error:
@@ -263,8 +262,10 @@ def _broken(result: Result, check: Check, error: Exception) -> Item:
     return Item("not judged", f"{check.name} {reason}", None, None)
 
 
-def _recorder(system: System, journal: Path | None) -> Recorder:
-    return Recorder([f"{unit.name}.{output}" for unit in system.units for output in unit.outputs], journal)
+def _recorder(system: System, settings: Settings, journal: Path | None = None) -> Recorder:
+    outputs = [(f"{unit.name}.{name}", unit.variables.get(name)) for unit in system.units for name in unit.outputs]
+    held = [column for column, variable in outputs if variable and variable.variability == "discrete"]
+    return Recorder([column for column, _ in outputs], journal, settings.record_interval, held)
 
 
 def _result(resolved: ResolvedScene, scheme: str, findings: list[Finding]) -> Result:

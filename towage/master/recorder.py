@@ -1,5 +1,5 @@
-"""What a run records: one row of doubles a communication point, kept in memory, and those that the scene records in a
-journal file, if wanted.
+"""What a run records: one row of doubles a communication point, kept in memory, and those next to the record times in a
+journal file, if wanted. The record of the scene is read off them at its times (`towage.checks.track`).
 
 A row of the journal is handed to the operating system at once (2 us), so that the journal is complete up to the point
 at which a process dies. Events go to a file beside it, one JSON object a line.
@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import json
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.checks.track import Track
+from towage.checks.track import SAME_TIME, Track, comparison_times
 from towage.result.result import Event
 
 EVENTS = ".events"
@@ -24,26 +24,29 @@ EVENTS = ".events"
 
 
 class Recorder:
-    """Rows of (time, values of all units in order). ``names`` are the columns as unit.variable; ``recorded`` tells of
-    every row whether the scene records it, else it serves comparisons alone."""
+    """Rows of (time, values of all units in order). ``names`` are the columns as unit.variable, ``held`` those of them that
+    change at events only. ``interval`` between record times, s; None: every row is recorded."""
 
-    def __init__(self, names: Sequence[str], journal: Path | None = None) -> None:
+    def __init__(
+        self, names: Sequence[str], journal: Path | None = None, interval: float | None = None, held: Iterable[str] = ()
+    ) -> None:
         self.names = list(names)
         self.data = array("d")
-        self.recorded = array("b")
+        self._interval, self._held, self._rows = interval, frozenset(held), 0
         self._file = open(journal, "wb", buffering=0) if journal else None  # noqa: SIM115
         self._events = journal.with_suffix(EVENTS) if journal else None
         if self._file:
             self._file.write(json.dumps(self.names).encode() + b"\n")
 
-    def row(self, time: float, values: Sequence[Sequence[float]], recorded: bool = True) -> None:
-        """Append a row."""
+    def row(self, time: float, values: Sequence[Sequence[float]]) -> None:
+        """Append a row; the first one at or after a record time goes to the journal too."""
         begin = len(self.data)
-        self.recorded.append(recorded)
         self.data.append(time)
         for part in values:
             self.data.extend(part)
-        if self._file and recorded:
+        if self._file and (not self._interval or time >= self._rows * self._interval - SAME_TIME * (1.0 + time)):
+            if self._interval:
+                self._rows = int(time / self._interval + SAME_TIME) + 1
             try:
                 self._file.write(self.data[begin:])
             except OSError:  # a full disk costs the journal, not the run
@@ -63,15 +66,15 @@ class Recorder:
 
     def track(self) -> Track:
         """All rows."""
-        return Track(*_columns(np.array(self.data), self.names))
+        return Track(*_columns(np.array(self.data), self.names), self._held)
 
     def columns(self, track: Track | None = None) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
-        """(times, columns by name) of the rows that the scene records, out of ``track``, which is `track()`."""
-        time, columns = track or self.track()
-        kept = np.array(self.recorded, dtype=bool)
-        if kept.all():
-            return time, dict(columns)
-        return time[kept], {name: values[kept] for name, values in columns.items()}
+        """(times, columns by name) at the record times as far as the run came, out of ``track``, which is `track()`."""
+        track = track or self.track()
+        if not self._interval or not len(track.time):
+            return track.time, dict(track.columns)
+        time = comparison_times(float(track.time[-1]), self._interval)
+        return time, {name: track.at(name, time) for name in track.columns}
 
 
 def read_journal(path: Path) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:

@@ -1,7 +1,7 @@
 """One coupled run: communication points, step control, events, record.
 
 Communication points lie on multiples of the step (t = k h, never accumulated) or where the error control puts them, on
-every record time, on announced event times and on located zeros of event indicators. An event step ends just beyond its
+announced event times and on located zeros of event indicators; what is recorded moves none. An event step ends just beyond its
 zero; there all units are brought to their limits from the right and the history of the signals is dropped.
 """
 
@@ -81,7 +81,7 @@ def simulate(
 class _Simulation:
     """A run on its way: where it stands, and one communication step after the other.
 
-    ``done`` counts the steps of a fixed grid, ``rows`` the record times. ``control`` is the step that the error control
+    ``done`` counts the steps of a fixed grid. ``control`` is the step that the error control
     wants, s. ``before`` holds the event indicators at the communication point where zeros are searched for.
     """
 
@@ -89,7 +89,7 @@ class _Simulation:
         self.system = system
         self.recorder = recorder
         self.run = Run(bonds=accounts(system))
-        self.stop, self.interval, self.tolerance = settings.stop_time, settings.record_interval, settings.tolerance
+        self.stop, self.tolerance = settings.stop_time, settings.tolerance
         self.max_step = settings.max_step
         scheme = settings.scheme
         self.scheme_step = scheme.step
@@ -99,7 +99,7 @@ class _Simulation:
         self.keeps = can_roll_back and (self.searches or self.tolerance is not None or scheme.goes_back)
         self.grid = settings.step if settings.step is not None else settings.max_step
         self.control = self.max_step if self.tolerance is None else min(self.max_step, 1e-3 * self.stop)
-        self.time, self.done, self.rows = 0.0, 0, 0
+        self.time, self.done = 0.0, 0
         self.before = indications(system) if self.searches else []
 
     def to_the_end(self, report: Callable[[float], None] | None) -> None:
@@ -135,13 +135,12 @@ class _Simulation:
         self.advance(target if step == target - time else time + step, step, bool(crossed), announced)
 
     def target(self) -> tuple[float, float]:
-        """(where the step should end: on the grid or where the error control wants it, or sooner if a record, the stop or
-        an announced event is due; the time of that event, infinite if there is none by then)."""
+        """(where the step should end: on the grid or where the error control wants it, or sooner if the stop or an announced
+        event is due; the time of that event, infinite if there is none by then)."""
         time, grid = self.time, self.grid
         target = (self.done + 1) * grid if self.tolerance is None else time + self.control
-        for due in ((self.rows + 1) * self.interval, self.stop):
-            if due < target + MERGE * grid:
-                target = due
+        if self.stop < target + MERGE * grid:
+            target = self.stop
         if self.clocks:
             announced = self.system.next_event(time)
             if announced < target + MERGE * (target - time):
@@ -191,6 +190,7 @@ class _Simulation:
             for event in happened(system, end, self.before, end >= announced):
                 run.events.append(event)
                 self.recorder.event(event)
+            self.record(end)  # the limits from the left
             system.refresh(end)
         if self.searches:
             self.before = indications(system)
@@ -198,12 +198,8 @@ class _Simulation:
         run.steps.append(step)
         if self.tolerance is None and end >= (self.done + 1) * self.grid - MERGE * self.grid:
             self.done += 1
-        if end >= (self.rows + 1) * self.interval - MERGE * self.grid:
-            self.record(end)
-            self.rows += 1
-        else:
-            self.record(end, recorded=False)
+        self.record(end)
 
-    def record(self, time: float, recorded: bool = True) -> None:
-        """Append the values of all units; ``recorded``: the scene records them."""
-        self.recorder.row(time, [unit.values for unit in self.system.units], recorded)
+    def record(self, time: float) -> None:
+        """Append the values of all units."""
+        self.recorder.row(time, [unit.values for unit in self.system.units])

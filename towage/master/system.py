@@ -258,6 +258,7 @@ def _wanted(unit: ResolvedUnit, scene: ResolvedScene, held: bool) -> Wanted:
     connected = [c.target for c in scene.connections if c.target_unit == unit.name]
     sources = [c.source for c in scene.connections if c.source_unit == unit.name]
     names = sources + [v for u, v in (*scene.record, *scene.reads) if u == unit.name]
+    names += [v.name for v in unit.description.variables if v.causality == "output" and v.name.startswith("margin_")]
     if not held:
         events = [v.name for v in unit.description.variables if v.name.startswith("event_")]
         names += [f"{n}_rate" for n in sources] + events + ["next_event_time"]

@@ -81,10 +81,12 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Statistic:
-    """Relative error of a statistic of the one-way run, and half the width of its confidence interval (95 %)."""
+    """Error of a statistic of the one-way run, relative or of a share, and half the width of its confidence interval;
+    ``number``: the statistic itself in the coupled run, SI, None where it is not known."""
 
     error: float
     half_width: float
+    number: float | None = None
 
 
 @dataclass(frozen=True)

@@ -25,10 +25,10 @@ def check_constants(names: Names, sources: Sources) -> None:
                 )
 
 
-def unset_inputs(names: Names, sources: Sources, open_ends: bool) -> tuple[str, ...]:
-    """The inputs, as "unit.input", that may have been forgotten: neither connected nor set, and their unit does not say what
-    their start value means. Raises `SceneError` for one that its unit needs, unless ``open_ends``."""
-    forgotten = []
+def unset_inputs(names: Names, sources: Sources, open_ends: bool) -> dict[str, str]:
+    """The inputs that may have been forgotten, "unit.input" to what to do: neither connected nor set, and their unit
+    does not say what their start value means. Raises `SceneError` for one that its unit needs, unless ``open_ends``."""
+    forgotten = {}
     for unit, variables in names.variables.items():
         given = names.scene.units[unit].values
         for v in variables.values():
@@ -39,8 +39,8 @@ def unset_inputs(names: Names, sources: Sources, open_ends: bool) -> tuple[str, 
                     f"{unit}.{v.name} is neither connected nor set, and {unit} needs it: {_remedy(names, sources, unit, v)}",
                     f"units.{unit}.inputs.{v.name}",
                 )
-            forgotten.append(f"{unit}.{v.name}")
-    return tuple(forgotten)
+            forgotten[f"{unit}.{v.name}"] = _remedy(names, sources, unit, v)
+    return forgotten
 
 
 def unset_text(forgotten: Sequence[str]) -> str:

@@ -62,8 +62,8 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     """A scene in which everything named exists and fits. ``record`` is (unit, variable); ``loops`` the algebraic ones,
     as "a.y -> b.u -> b.y -> a.u -> a.y": solved by the implicit scheme, or only presumed, for want of declarations;
     ``variants`` the other runs that its checks ask for; ``forgotten`` the inputs, as "unit.input", that are neither connected
-    nor set and whose start value has no meaning of its own; ``reads`` (unit, variable) that checks compare, recorded or
-    not."""
+    nor set and whose start value has no meaning of its own, ``remedies`` what to do about each; ``reads`` (unit, variable) that
+    checks compare, recorded or not."""
 
     scene: Scene
     units: dict[str, ResolvedUnit]
@@ -72,6 +72,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     loops: tuple[str, ...]
     variants: tuple[ResolvedVariant, ...] = ()
     forgotten: tuple[str, ...] = ()
+    remedies: tuple[str, ...] = ()
     reads: tuple[tuple[str, str], ...] = ()
 
 
@@ -140,7 +141,8 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
             variants.append(ResolvedVariant(variant.name, other, variant.coarse, variant.nudged))
     _check_instances(scene, descriptions, bool(variants))
     _check_loops(resolved.loops, names)
-    return replace(resolved, variants=tuple(variants), forgotten=forgotten, reads=tuple(reads))
+    told = tuple(forgotten), tuple(forgotten.values())
+    return replace(resolved, variants=tuple(variants), forgotten=told[0], remedies=told[1], reads=tuple(reads))
 
 
 def _bare(scene: Scene, names: Names) -> ResolvedScene:

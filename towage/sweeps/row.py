@@ -1,6 +1,8 @@
 """What a sweep keeps of a run: a word, a verdict and numbers that do not depend on when or where it was run.
 
-Names of the numbers: ``sdof:rms`` and the other measures of the comparison with the one-way run, ``margin:<variable>``
+Names of the numbers: ``sdof:rms`` and the other measures of the comparison with the one-way run, ``item:<name>`` (the number
+that decided of each item of the card), ``statistics:<name>`` (error of a statistic) and ``interval:<name>`` (half the width of
+its confidence interval), ``margin:<variable>``
 (smallest value) and ``worst_margin``, ``min:<variable>``, ``max:<variable>``, ``events:<unit>.<name>`` (how many),
 ``coupling_error`` (the largest), ``attractor`` (periods after which the motion repeats, `attractor`).
 """
@@ -18,15 +20,16 @@ from towage.scene.resolve import ResolvedScene
 from towage.sweeps.attractor import repeats_after
 
 Status = Literal["done", "failed", "refused", "crashed", "hung", "defect"]
-_COMPARISON = ("rms", "amplitude", "phase", "peak_tension", "indicator", "bound", "estimate")
+_COMPARISON = ("rms", "tension_rms", "amplitude", "phase", "peak_tension", "indicator", "bound", "estimate")
 
 
 @dataclass(frozen=True)
 class Row:
     """One run. ``status``: done; failed (a unit said so, or a value was not finite); refused (the values do not fit the
     scene or the checks before the run); crashed or hung with its process; defect (of towage). ``measures``: numbers
-    by the names above, in the units of their variables. ``note``: the stack or what was printed, for a reader; it goes to
-    the journal only, because two crashes of one run need not print the same."""
+    by the names above, in the units of their variables. ``words``: those of the card's items, by their names. ``note``: the
+    stack or what was printed, for a reader; it goes to the journal only, because two crashes of one run need not print the
+    same."""
 
     index: int
     status: Status
@@ -34,19 +37,25 @@ class Row:
     message: str = ""
     measures: dict[str, float] = field(default_factory=dict)
     note: str = ""
+    words: dict[str, str] = field(default_factory=dict)
 
 
 def row(index: int, result: Result, resolved: ResolvedScene) -> Row:
     """The row of a run that came to its end."""
     if result.status == "failed":
         return Row(index, "failed", message=result.message)
-    return Row(index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved))
+    words: dict[str, str] = {item.name: item.word for item in result.verdict.items}
+    return Row(index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved), words=words)
 
 
 def _measures(result: Result, resolved: ResolvedScene) -> dict[str, float]:
     measures: dict[str, float | None] = {}
     if result.comparison:
         measures |= {f"sdof:{name}": vars(result.comparison)[name] for name in _COMPARISON}
+        told = result.comparison.statistics
+        measures |= {f"statistics:{name}": statistic.error for name, statistic in told.items()}
+        measures |= {f"interval:{name}": statistic.half_width for name, statistic in told.items()}
+    measures |= {f"item:{item.name}": item.number for item in result.verdict.items}
     if worst := result.worst_margin():
         measures["worst_margin"] = worst.worst
     measures |= {f"margin:{margin.variable}": margin.worst for margin in result.margins}

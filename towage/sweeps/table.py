@@ -6,7 +6,7 @@ import codecs
 import csv
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,8 @@ _EVENTS = "events:"
 @dataclass(frozen=True)
 class Table:
     """``status``, ``verdict`` and ``message`` of every run, and ``measures``: name to values, shape (runs,), NaN where a run
-    has none (events: 0 in a run that was done without any). ``units``: unit of measure of each. ``note``: how the numbers
+    has none (events: 0 in a run that was done without any). ``words``: those of the items of the card, by their names, empty
+    where a run has none. ``units``: unit of measure of each. ``note``: how the numbers
     were made, where that matters to a reader."""
 
     title: str
@@ -35,6 +36,7 @@ class Table:
     measures: dict[str, Array]
     units: dict[str, str]
     note: str = ""
+    words: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, title: str, design: Design, rows: Mapping[int, Row], units: Mapping[str, str]) -> Table:
@@ -47,7 +49,9 @@ class Table:
             values = (row.measures.get(name, other) for row, other in zip(ordered, missing))
             measures[name] = np.fromiter(values, np.float64, len(ordered))
         words = zip(*((row.status, row.verdict, row.message) for row in ordered))
-        return cls.from_columns(title, design, words, measures, units)
+        items = sorted({name for row in ordered for name in row.words})
+        told = {name: tuple(row.words.get(name, "") for row in ordered) for name in items}
+        return replace(cls.from_columns(title, design, words, measures, units), words=told)
 
     @classmethod
     def from_columns(
@@ -71,16 +75,17 @@ class Table:
         return np.array([status == "done" for status in self.status])
 
     def save_npz(self, path: Path) -> None:
-        """Arrays ``index``, ``status``, ``verdict``, ``message``, ``points`` (runs, targets), ``measures`` (runs,
-        measures) and the JSON ``metadata`` with the names of their columns."""
+        """Arrays ``index``, ``status``, ``verdict``, ``message``, ``words`` (runs, items), ``points`` (runs, targets),
+        ``measures`` (runs, measures) and the JSON ``metadata`` with the names of their columns."""
         metadata = {
             "title": self.title, "design": self.design.text, "targets": self.design.targets,
             "units": self.design.units, "shape": self.design.shape, "measures": list(self.measures),
-            "measure_units": list(self.units.values()), "note": self.note,
+            "measure_units": list(self.units.values()), "note": self.note, "items": list(self.words),
         }  # fmt: skip
         arrays: dict[str, Any] = {
             "index": np.arange(len(self.status)),
             "status": np.array(self.status), "verdict": np.array(self.verdict), "message": np.array(self.message),
+            "words": np.array(list(self.words.values()), dtype=str).reshape(-1, len(self.status)).T,
             "points": self.design.points,
             "measures": np.array(list(self.measures.values())).reshape(-1, len(self.status)).T,
             "metadata": np.frombuffer(json.dumps(metadata).encode(), np.uint8),
@@ -96,11 +101,13 @@ class Table:
         )
         with atomic_write(path) as stream:
             writer = csv.writer(codecs.getwriter("utf-8")(stream, "backslashreplace"), lineterminator="\n")
-            writer.writerow(["index", *targets, "status", "verdict", *measures, "message"])
+            told = [f"word:{name}" for name in self.words]
+            writer.writerow(["index", *targets, "status", "verdict", *told, *measures, "message"])
             columns = [values.tolist() for values in self.measures.values()]
             for k, point in enumerate(self.design.points.tolist()):
                 numbers = ["" if column[k] != column[k] else column[k] for column in columns]
-                writer.writerow([k, *point, self.status[k], self.verdict[k], *numbers, self.message[k]])
+                words = [column[k] for column in self.words.values()]
+                writer.writerow([k, *point, self.status[k], self.verdict[k], *words, *numbers, self.message[k]])
 
 
 def _unit(name: str, units: Mapping[str, str]) -> str:
@@ -110,5 +117,8 @@ def _unit(name: str, units: Mapping[str, str]) -> str:
 
 def _place(name: str) -> tuple[int, str]:
     """Judgements first, then extremes and counts; by name within each, so that the order of runs does not matter."""
-    kinds = ("sdof:", "worst_margin", "margin:", "attractor", "coupling_error", "max:", "min:", _EVENTS)
+    kinds = (
+        "sdof:", "item:", "statistics:", "interval:", "worst_margin", "margin:", "attractor", "coupling_error", "max:", "min:",
+        _EVENTS,
+    )  # fmt: skip
     return next((k for k, kind in enumerate(kinds) if name.startswith(kind)), len(kinds)), name
