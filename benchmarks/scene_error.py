@@ -89,7 +89,7 @@ def precision(scene: Scene) -> Precision:
     given = run(cut, 1.0, cut.coupling.scheme)
     question = asked(scene, given, None)
     step = cut.coupling.step
-    times = comparison_times(cut.stop_time, step and FACTORS[0] * step, math.inf if step else cut.stop_time / MOST_STEPS)
+    times = comparison_times(cut.stop_time, step and FACTORS[0] * step, MOST_STEPS)
     times = times[times >= min(question.settle, 0.5 * cut.stop_time)]
     begin = time.process_time()
     reference = _reference(cut, given, question.signals, times)

@@ -11,7 +11,7 @@ from msgspec import structs
 
 from towage.checks.error import judged_names
 from towage.checks.signals import Difference, at_rest, difference, dominant_frequency, repeats_after
-from towage.checks.track import FEWEST, Track, comparison_times
+from towage.checks.track import Track, comparison_times
 from towage.ladder.axis import Array
 from towage.result.result import Result
 from towage.scene.scene import Record, Scene
