@@ -18,11 +18,15 @@ from ...protocol.variables import (
 
 
 class TowpointInputs(NamedTuple):
-    """Velocity of the towpoint, which may be steady (in a submarine) or was forgotten, and forces on the body."""
+    """Velocity of the towpoint, whose heave may be none (in a submarine) or was forgotten, and forces on the body."""
 
     velocity_surge: Annotated[
-        Value, input_variable("m/s", "Velocity of the towpoint in the towing frame, forward", display="ft/s")
-    ]
+        Value,
+        input_variable(
+            "m/s", "Velocity of the towpoint in the towing frame, forward", display="ft/s",
+            unset="the towpoint does not surge",
+        ),
+    ]  # fmt: skip
     velocity_heave: Annotated[Value, input_variable("m/s", "Velocity of the towpoint, up", display="ft/s")]
     body_drag_change: Annotated[
         Value, input_variable("N", "Change of the body's drag, aft", display="lbf", unset="no force but the tow's own")

@@ -68,11 +68,15 @@ class Own(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Velocities of both ends: that of the towpoint may be steady or was forgotten, that of the body answers the cable."""
+    """Velocities of both ends: the towpoint may not heave or its heave was forgotten, that of the body answers the cable."""
 
     top_velocity_surge: Annotated[
-        Value, input_variable("m/s", "Velocity of the top end in the towing frame, forward", display="ft/s")
-    ]
+        Value,
+        input_variable(
+            "m/s", "Velocity of the top end in the towing frame, forward", display="ft/s",
+            unset="the top end does not surge",
+        ),
+    ]  # fmt: skip
     top_velocity_heave: Annotated[
         Value, input_variable("m/s", "Velocity of the top end in the towing frame, up", display="ft/s")
     ]
