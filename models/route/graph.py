@@ -67,7 +67,7 @@ def leg_times(
         part = np.where(v > SLOWEST, d / np.maximum(v, SLOWEST), math.inf)
         spent = spent + 0.5 * part
         guess = np.where(np.isfinite(part), part, guess)
-    out = ~(medium.field.inside(x1 + 0.0 * t, y1 + 0.0 * t))
+    out = ~(medium.inside(x1 + 0.0 * t, y1 + 0.0 * t))
     if areas:
         out = out | blocked(areas, x0 + 0.0 * x1, y0 + 0.0 * y1, x1, y1)
     return np.where(still, 0.0, np.where(out, math.inf, spent))

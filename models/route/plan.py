@@ -26,9 +26,9 @@ from . import graph as route_graph
 from . import shooting as route_shooting
 from .areas import Area, blocked, containing
 from .graph import Path, Point
+from .hulls import TACKS
 from .maps import FlatMap
 from .medium import Medium
-from .polar import TablePolar
 
 SAME = 1e-5
 """Two extremals whose times and starting directions agree to this share are one."""
@@ -134,7 +134,7 @@ def plan(
                              "refined lattice path, exact to about 1e-4, without certificate")  # fmt: skip
             routes.insert(0, Route("corridor", fine.times, fine.points[:, 0], fine.points[:, 1]))
     best = routes[0]
-    horizon = max(0.0, 1.0 - medium.field.horizon / best.duration)
+    horizon = max(0.0, 1.0 - medium.horizon / best.duration)
     if horizon > 0.0:
         notes.append(f"{horizon:.1%} of the voyage lies beyond the last forecast, whose field is kept")
     over, tacks = _shares(medium, best)
@@ -178,7 +178,7 @@ def extremals(
         return []
     for k, way in zip(good, route_shooting.tracks(medium, start, shots.alpha[good], shots.time[good], steps)):
         name = f"the extremal of {way.time[-1] / 3600.0:.2f} h"
-        outside = ~medium.field.inside(way.x, way.y)
+        outside = ~medium.inside(way.x, way.y)
         if np.any(outside):
             i = int(np.argmax(outside))
             notes.append(f"{name} leaves the data at ({way.x[i]:.6g}, {way.y[i]:.6g}) m, t = {way.time[i]:.6g} s: dropped")
@@ -197,7 +197,7 @@ def _check(problem: Problem) -> None:
     for name, place in (("start", problem.start), ("end", problem.end)):
         if not all(map(math.isfinite, place)):
             raise RouteError("input", f"the {name} {place} is not a place")
-        if not bool(problem.medium.field.inside(np.array([place[0]]), np.array([place[1]]))[0]):
+        if not bool(problem.medium.inside(np.array([place[0]]), np.array([place[1]]))[0]):
             raise RouteError("outside", f"the {name} ({place[0]:.6g}, {place[1]:.6g}) m lies outside the wave data")
         area = containing(problem.areas, *place)
         if area is not None:
@@ -210,8 +210,8 @@ def _why_unreachable(problem: Problem) -> str:
     causes = []
     if problem.areas:
         causes.append("forbidden areas")
-    if math.isfinite(problem.medium.field.horizon) or not bool(
-        problem.medium.field.inside(np.array([1e12]), np.array([1e12]))[0]
+    if math.isfinite(problem.medium.horizon) or not bool(
+        problem.medium.inside(np.array([1e12]), np.array([1e12]))[0]
     ):
         causes.append("the edge of the wave data")
     causes.append("seas against which the ship makes no way")
@@ -223,7 +223,7 @@ def _along(problem: Problem, points: Sequence[Point], kind: str, notes: list[str
     line = np.asarray(points, dtype=float)
     if len(line) == 2:
         line = line[0] + (line[1] - line[0]) * np.linspace(0.0, 1.0, STRAIGHT_LEGS + 1)[:, None]
-    inside = problem.medium.field.inside(line[:, 0], line[:, 1])
+    inside = problem.medium.inside(line[:, 0], line[:, 1])
     if not np.all(inside):
         notes.append(f"the {kind} route leaves the wave data")
         return None
@@ -250,12 +250,12 @@ def _calm_time(problem: Problem) -> float:
 
 def _shares(medium: Medium, route: Route) -> tuple[float, float]:
     """Shares of the time beyond the polar's range and on hull chords."""
-    sea = medium.field.at(route.x, route.y, route.time)
-    weights = np.gradient(route.time) / route.duration
-    over = float(np.sum(weights * medium.polar.beyond(sea.height)))
-    if not isinstance(medium.polar, TablePolar):
-        return over, 0.0
-    dx, dy = np.gradient(route.x), np.gradient(route.y)
-    theta = np.arctan2(dy * sea.kx - dx * sea.ky, dx * sea.kx + dy * sea.ky)
-    tacking = [medium.polar.tack(float(h), float(a)) is not None for h, a in zip(sea.height, theta)]
-    return over, float(np.sum(weights * np.array(tacking, dtype=float)))
+    step = np.diff(route.time)
+    weights = 0.5 * (np.concatenate([[0.0], step]) + np.concatenate([step, [0.0]])) / route.duration
+    m = medium.map.scale(route.x, route.y)[0]
+    u, w = medium.current.at(route.x, route.y, route.time)[:2]
+    vx, vy = (np.gradient(place, route.time) / m - drift for place, drift in ((route.x, u), (route.y, w)))
+    size = np.maximum(np.hypot(vx, vy), 1e-300)
+    made, own, over = medium.sail(route.time, route.x, route.y, vx / size, vy / size)
+    tacks = made > (1.0 + TACKS) * own
+    return float(np.sum(weights * over)), float(np.sum(weights * tacks))

@@ -14,10 +14,11 @@ from towage.models.route import shooting as route_shooting
 from towage.models.route.areas import Disc, Polygon
 from towage.models.route.fields import Field, StormField, UniformField
 from towage.models.route.grid import Axis, GridField
+from towage.models.route.hulls import TablePolar
 from towage.models.route.maps import FlatMap, StereographicMap
 from towage.models.route.medium import Medium
 from towage.models.route.plan import Plan, Problem, RouteError, plan
-from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar, TablePolar
+from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar
 from towage.verify import sea as verify_sea
 from towage.verify import verify
 

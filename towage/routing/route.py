@@ -34,6 +34,11 @@ class PlannedRoute:
         problem = self.given.problem
         return problem.medium.map.distance(problem.start, problem.end)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was assumed and filled in the data, and what the plan left out, for people."""
+        return (*self.given.notes, *self.plan.notes)
+
     def document(self) -> dict[str, Any]:
         """Times in h, distance in nautical miles, the certificate (j in m/rad) and shares of the voyage, as plain data;
         None for what there is not."""
@@ -45,7 +50,7 @@ class PlannedRoute:
             "saving": self.plan.saving, "distance_nmi": self.distance / MILE, "certified": best.certified,
             "j_exact_m_per_rad": _finite(best.j_exact), "j_seed_m_per_rad": _finite(best.j_seed),
             "beyond_forecast": self.plan.beyond_horizon, "beyond_polar": self.plan.beyond_polar,
-            "tacking": self.plan.tacking, "notes": self.plan.notes,
+            "tacking": self.plan.tacking, "notes": self.notes,
         }  # fmt: skip
 
     def text(self) -> str:
@@ -67,7 +72,7 @@ class PlannedRoute:
                          f"(source's j = {best.j_seed / MILE:.6g})")  # fmt: skip
         elif not best.certified:
             lines.append("  certificate: none")
-        return "\n".join([*lines, *(f"  note: {note}" for note in self.plan.notes)])
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
     def save_csv(self, path: Path) -> None:
         """The track of the best route: hours, nautical miles or degrees, knots, metres, seconds. Raises `TowageError`."""
@@ -82,7 +87,7 @@ class PlannedRoute:
         """Parameters of the unit `voyage` for a route, SI. Raises `TowageError` where there is no such route."""
         chosen = self.plan.best if which == "best" else self.plan.straight
         if chosen is None:
-            raise TowageError(f"{self.given.path}: there is no {which} route: {'; '.join(self.plan.notes)}")
+            raise TowageError(f"{self.given.path}: there is no {which} route: {'; '.join(self.notes)}")
         return unit_parameters(self.given.problem, chosen)
 
     def _hours(self) -> dict[str, float | None]:

@@ -17,7 +17,7 @@ from towage.models.numeric.ops import FLOATS
 from towage.models.route import plan as route
 from towage.models.route import shooting as route_shooting
 from towage.models.route.areas import Area, Disc
-from towage.models.route.fields import Field, LinearField, ShearCurrent, StormField, UniformField
+from towage.models.route.fields import Field, LinearCurrent, LinearField, StormField, UniformField
 from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
 from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar, Polar, ProportionalPolar, follow_beam_head
@@ -97,7 +97,7 @@ def _zermelo(inputs: Values) -> Values:
     """Unit speed in the shear current u = -y: the extremal from ``theta0_deg``."""
     if inputs["current"].replace(" ", "") != "u=-y,v=0":
         raise ValueError(f"current {inputs['current']!r}: expected u = -y, v = 0")
-    medium = Medium(FlatMap(), UniformField(), ConstantPolar(inputs["speed"]), ShearCurrent(rate_x=-1.0))
+    medium = Medium(FlatMap(), UniformField(), ConstantPolar(inputs["speed"]), LinearCurrent(gradient=((0.0, -1.0), (0.0, 0.0))))
     (x0, y0), (x1, y1) = inputs["start"], inputs["end"]
     start, end = (float(x0), float(y0)), (float(x1), float(y1))
     alpha = math.radians(inputs["theta0_deg"]) + np.linspace(-0.3, 0.3, 3)
