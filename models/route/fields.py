@@ -71,11 +71,18 @@ class Field(Known, Protocol):
     def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Peak period, s; 0 where it follows from the height."""
 
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """(x, y, size), m, of storms that are known as such at time ``t``, s: routes pass them on either side."""
+
 
 class _Everywhere:
     def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Not known: 0."""
         return np.zeros_like(x)
+
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """None."""
+        return ()
 
     def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
         """Everywhere."""
@@ -144,6 +151,10 @@ class StormField(_Everywhere):
         """The sea."""
         return Storms(self.background, (self,), self.angle).at(x, y, t)
 
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """Its own."""
+        return ((self.centre[0] + self.velocity[0] * t, self.centre[1] + self.velocity[1] * t, self.sigma),)
+
 
 @dataclass(frozen=True)
 class Storms(_Everywhere):
@@ -158,6 +169,10 @@ class Storms(_Everywhere):
     def detail(self) -> float:
         """The least sigma."""
         return min(storm.sigma for storm in self.storms)
+
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """Of all storms."""
+        return tuple(centre for storm in self.storms for centre in storm.centres(t))
 
     def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea."""

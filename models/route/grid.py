@@ -233,6 +233,10 @@ class GridField:
         f = self.layers.values(x, y, t)
         return directed_sea((f[0, 0], f[1, 0], f[2, 0]), (f[0, 1], f[1, 1], f[2, 1]), (f[0, 2], f[1, 2], f[2, 2]))
 
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """Not known."""
+        return ()
+
     def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Peak period, s; 0 where it follows from the height."""
         return np.asarray(np.maximum(0.0, self.layers.values(x, y, t)[0, 3]))

@@ -25,6 +25,8 @@ Source: Minimal-time ship routing (1964), equations (7)-(10), (13), (14), (16), 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, reduce
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +41,9 @@ OPS = arrays()
 STILL = LinearCurrent()
 TOP_SPEED = 60.0
 """No ship is faster through the water, m/s."""
+AROUND = 72
+"""Directions in which a largest speed is looked for."""
+ANGLES = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
 
 
 @dataclass(frozen=True)
@@ -152,45 +157,99 @@ class Medium:
         kx, ky = float(sea.kx[0]), float(sea.ky[0])
         return float(np.arctan2(nx * ky + ny * kx, nx * kx - ny * ky))
 
+    def frozen(self, t: AnyArray, x: AnyArray, y: AnyArray) -> Frozen:
+        """Everything at these times and places but the course."""
+        sea, scale = self.field.at(x, y, t), self.map.scale(x, y)[0]
+        u, w = self.current.at(x, y, t)[:2]
+        if isinstance(self.polar, (TablePolar, WindWavePolar)):
+            return Frozen(self.polar, scale, u, w, sea, self.wind.at(x, y, t) if self.wind else None, None)
+        return Frozen(self.polar, scale, u, w, sea, None, self._axes(sea)[:3])
+
     def speed_along(self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray) -> AnyArray:
         """Largest speed on the plane, m/s, along the unit vector p; 0 where the ship cannot make it good."""
-        m = self.map.scale(x, y)[0]
-        u, w = self.current.at(x, y, t)[:2]
-        if not self.smooth:
-            return np.asarray(m * self._table_along(t, x, y, px, py, u, w))
-        sea = self.field.at(x, y, t)
-        along, across = px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky
-        a, b, c = self._axes(sea)[:3]
-        v = _radius(a, b, u * sea.kx + w * sea.ky - c, w * sea.kx - u * sea.ky, along, across)
-        return np.asarray(m * np.maximum(0.0, v))
+        return self.frozen(t, x, y).along(px, py)
 
-    def sail(
-        self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray
-    ) -> tuple[AnyArray, AnyArray, AnyArray]:
+    def fastest(self, t: AnyArray, x: AnyArray, y: AnyArray) -> AnyArray:
+        """A bound on the speed on the plane in any direction, m/s."""
+        now = self.frozen(t, x, y)
+        return np.asarray(np.max([now.support(np.cos(v), np.sin(v)) for v in ANGLES], axis=0) / np.cos(np.pi / AROUND))
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """The set of velocities at times and places, arrays of one shape: scale of the map, current, sea and wind, and the axes of
+    the ellipse where the polar is one."""
+
+    polar: Polar
+    scale: AnyArray
+    u: AnyArray
+    w: AnyArray
+    sea: Sea
+    wind: Sea | None
+    axes: tuple[AnyArray, AnyArray, AnyArray] | None
+    asked: AnyArray | None = None
+
+    @cached_property
+    def fan(self) -> AnyArray:
+        """Speeds of a table through the water in the directions `ANGLES`, (AROUND, ...)."""
+        if self.asked is not None:
+            return self.asked
+        one = np.ones(np.shape(self.scale))
+        return np.array([self.sail(np.cos(v) * one, np.sin(v) * one)[0] for v in ANGLES])
+
+    def part(self, index: tuple[Any, ...]) -> Frozen:
+        """The same at a part of the places."""
+        def cut(values: Any) -> Any:
+            return None if values is None else tuple(v[index] for v in values)
+
+        sea, wind = Sea(*cut(self.sea)), None if self.wind is None else Sea(*cut(self.wind))
+        fan = self.fan[(slice(None), *index)] if self.axes is None else None
+        return Frozen(self.polar, self.scale[index], self.u[index], self.w[index], sea, wind, cut(self.axes), fan)
+
+    def sail(self, px: AnyArray, py: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
         """(speed through the water along p, m/s, that without tacking, whether waves or wind are beyond the polar's range)."""
-        sea = self.field.at(x, y, t)
+        sea = self.sea
         if isinstance(self.polar, (TablePolar, WindWavePolar)):
-            return self.polar.sail(sea, self.wind.at(x, y, t) if self.wind else None, px, py)
-        along, across = px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky
-        a, b, c = self._axes(sea)[:3]
-        v = _radius(a, b, -c, 0.0, along, across)
+            return self.polar.sail(sea, self.wind, px, py)
+        assert self.axes is not None
+        a, b, c = self.axes
+        v = _radius(a, b, -c, 0.0, px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky)
         return v, v, np.asarray(self.polar.beyond(sea.height)) & np.ones(np.shape(v), dtype=bool)
 
-    def _table_along(
-        self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray, u: AnyArray, w: AnyArray
-    ) -> AnyArray:
+    def along(self, px: AnyArray, py: AnyArray) -> AnyArray:
+        """Largest speed on the plane along the unit vector p, m/s; 0 where the ship cannot make it good."""
+        if self.axes is None:
+            return np.asarray(self.scale * self._table_along(px, py))
+        sea, u, w = self.sea, self.u, self.w
+        a, b, c = self.axes
+        along, across = px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky
+        v = _radius(a, b, u * sea.kx + w * sea.ky - c, w * sea.kx - u * sea.ky, along, across)
+        return np.asarray(self.scale * np.maximum(0.0, v))
+
+    def support(self, lx: Value, ly: Value) -> AnyArray:
+        """h = max of l.x' over all velocities x' on the plane; of a table a bound."""
+        if self.axes is None:
+            sails = (speed * (np.cos(v) * lx + np.sin(v) * ly) for speed, v in zip(self.fan, ANGLES))
+            own = reduce(np.maximum, sails) / np.cos(np.pi / AROUND)
+        else:
+            (a, b, c), sea = self.axes, self.sea
+            A, B = lx * sea.kx + ly * sea.ky, ly * sea.kx - lx * sea.ky
+            own = np.sqrt((a * A) ** 2 + (b * B) ** 2) - c * A
+        return np.asarray(self.scale * (own + self.u * lx + self.w * ly))
+
+    def _table_along(self, px: AnyArray, py: AnyArray) -> AnyArray:
         """Largest v >= 0 for which v p - (u, w) lies in the hull of a table. The gauge of a convex set is convex along a line, so
         that Newton's method from above comes down on the largest v without passing it."""
-        if not (np.any(u) or np.any(w)):
-            return self.sail(t, x, y, px, py)[0]
+        if not (np.any(self.u) or np.any(self.w)):
+            return self.sail(px, py)[0]
 
         def gauge(v: AnyArray) -> AnyArray:
-            vx, vy = v * px - u, v * py - w
+            vx, vy = v * px - self.u, v * py - self.w
             size = np.hypot(vx, vy)
             safe = np.maximum(size, 1e-12)
-            return np.asarray(size / np.maximum(self.sail(t, x, y, vx / safe, vy / safe)[0], 1e-9))
+            return np.asarray(size / np.maximum(self.sail(vx / safe, vy / safe)[0], 1e-9))
 
-        v = np.full(np.broadcast(px, u).shape, TOP_SPEED) + np.hypot(u, w)
+        v = np.full(np.broadcast(px, self.u).shape, TOP_SPEED) + np.hypot(self.u, self.w)
         for _ in range(40):
             step = 1e-6 * (1.0 + v)
             g = gauge(v)

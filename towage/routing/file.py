@@ -1,7 +1,8 @@
 """A route file: from where to where, with which ship, through which sea. TOML; numbers may carry units (``"20 ft"``).
 
     title = "..."
-    [route]       start, end: [x, y] on a flat map, [latitude, longitude] on a sphere; departure; method, fraction
+    [route]       start, end: [x, y] on a flat map, [latitude, longitude] on a sphere; departure; method, and for "seed" the
+                  fraction of its corrections
     [map]         kind = "flat" (default) or "sphere"
     [ship]        polar = "P2-S2-R2 (1957)", or speed, or tables over waves, wind or both (`ships`)
     [sea]         kind = "calm", "uniform", "storm" or "file" (`seas`), as [wind] and [current]
@@ -13,6 +14,7 @@ clockwise from north. Every fault is a `SceneError` that names file and key.
 
 from __future__ import annotations
 
+import datetime
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -23,7 +25,7 @@ from towage.models.route.areas import Area, Disc, Polygon
 from towage.models.route.hulls import TablePolar, WindWavePolar
 from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
-from towage.models.route.plan import Problem
+from towage.models.route.problem import Problem
 from towage.routing import ships
 from towage.routing.forecast.read import Frame
 from towage.routing.seas import Surroundings, departure
@@ -36,13 +38,16 @@ METHODS = ("safeguarded", "seed", "graph")
 
 @dataclass(frozen=True)
 class RouteFile:
-    """What a route file says; ``problem`` in SI on the plane of the map. ``notes``: what its data files left open, and what was
+    """What a route file says; ``problem`` in SI on the plane of the map. ``fraction``: of the corrections of the
+    method "seed". ``notes``: what its data files left open, and what was
     assumed, for people."""
 
     title: str
     problem: Problem
     method: str
     path: Path
+    departure: datetime.datetime | None = None
+    fraction: float = 1.0
     notes: tuple[str, ...] = ()
 
 
@@ -73,12 +78,19 @@ class _Reader(RouteTables):
         else:
             start, end = self.pair(route, "route.start", "m"), self.pair(route, "route.end", "m")
         areas, notes = list(self.areas(data, plane)), list[str]()
-        around = Surroundings(self, self.given, Frame(plane, start, end, departure(self, route.get("departure"))), areas, notes)
+        leaves = departure(self, route.get("departure"))
+        around = Surroundings(self, self.given, Frame(plane, start, end, leaves), areas, notes)
         polar = ships.polar(self, ship, notes)
         medium = Medium(plane, around.sea(sea), polar, around.current(current), around.wind(wind))
         if isinstance(polar, (TablePolar, WindWavePolar)) and polar.needs_wind and medium.wind is None:
             self.fail("this table is missing: the ship has a wind_table", "wind")
-        return RouteFile(str(data.get("title", self.given.stem)), Problem(medium, start, end, tuple(areas)), method, self.given,
+        problem = Problem(medium, start, end, tuple(areas))
+        fraction = self.number(route, "route.fraction", "1", 1.0)
+        if fraction != 1.0 and method != "seed":
+            self.fail('only the source\'s iteration takes a part of its corrections: method = "seed"', "route.fraction")
+        if not 0.0 < fraction <= 1.0:
+            self.fail(f"{fraction:g}: expected more than 0 and at most 1", "route.fraction")
+        return RouteFile(str(data.get("title", self.given.stem)), problem, method, self.given, leaves, fraction,
                          tuple(dict.fromkeys(notes)))  # fmt: skip
 
     def sphere(

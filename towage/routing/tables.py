@@ -13,7 +13,7 @@ from towage.scene.tables import Tables
 _DATA = ("file", "variables", "units", "select", "direction_is")
 KEYS = {
     "": ("title", "description", "route", "map", "ship", "sea", "wind", "current", "forbidden"),
-    "route": ("start", "end", "method", "departure"),
+    "route": ("start", "end", "method", "fraction", "departure"),
     "map": ("kind", "radius"),
     "ship": ("polar", "speed", "table", "wind_table", "wave_factors"),
     "ship.table": ("heights", "angles", "speeds", "ends"),

@@ -21,6 +21,7 @@ from towage.models.route.fields import Field, LinearCurrent, LinearField, StormF
 from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
 from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar, Polar, ProportionalPolar, follow_beam_head
+from towage.models.route.problem import Problem
 from towage.models.sea import heave_response, waves
 
 MILE, HOUR = 1852.0, 3600.0
@@ -70,7 +71,7 @@ def _polar(inputs: Values) -> Polar:
     return JamesPolar()
 
 
-def problem(inputs: Values) -> route.Problem:
+def problem(inputs: Values) -> Problem:
     """The route problem of a case in SI. Raises ``ValueError`` and ``KeyError``."""
     kind = inputs["map"]
     plane: RouteMap
@@ -90,7 +91,7 @@ def problem(inputs: Values) -> route.Problem:
         (x, y), r = inputs["forbidden_disc"]["centre_nm"], inputs["forbidden_disc"]["radius_nm"]
         areas = (Disc(x * MILE, y * MILE, r * MILE),)
     (x0, y0), (x1, y1) = ends
-    return route.Problem(Medium(plane, _field(inputs["field"]), _polar(inputs)), (x0, y0), (x1, y1), areas)
+    return Problem(Medium(plane, _field(inputs["field"]), _polar(inputs)), (x0, y0), (x1, y1), areas)
 
 
 def _zermelo(inputs: Values) -> Values:
@@ -108,7 +109,7 @@ def _zermelo(inputs: Values) -> Values:
     return {"time": float(np.min(shots.time[shots.converged]))}
 
 
-def saddles(given: route.Problem, guess: float) -> list[float]:
+def saddles(given: Problem, guess: float) -> list[float]:
     """Times, s, of extremals with a conjugate point, by damped Newton steps with the true Jacobian from 15 courses,
     finished with full ones."""
     (x0, y0), (x1, y1) = given.start, given.end

@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from towage.errors import SceneError
 from towage.routing.forecast.contents import Contents, Variable
 
 Sense = Literal["from", "to"]
@@ -136,12 +135,3 @@ def _word(text: str) -> Sense | None:
     if bool(source) == bool(goal):
         return None
     return "from" if source else "to"
-
-
-def check_names(wishes: Wishes, quantities: tuple[Quantity, ...], table: str, error: type[SceneError] = SceneError) -> None:
-    """Refuse names of quantities that there are not, under ``variables`` and ``units``."""
-    names = [q.name for q in quantities]
-    for key, given in (("variables", wishes.variables), ("units", wishes.units)):
-        for name in given:
-            if name not in names:
-                raise error(f"unknown {name!r}; expected one of: {', '.join(names)}", key=f"{table}.{key}")
