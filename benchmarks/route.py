@@ -25,8 +25,9 @@ import numpy as np
 from towage.models.numeric.ops import FLOATS
 from towage.models.route import graph as route_graph
 from towage.models.route import shooting as route_shooting
-from towage.models.route.plan import Problem, RouteError, plan
+from towage.models.route.plan import plan
 from towage.models.route.polar import FOOT, KNOT
+from towage.models.route.problem import Problem, RouteError
 from towage.models.sea import heave_response, ship_in_sea
 from towage.verify import sea as verify_sea
 

@@ -149,6 +149,23 @@ def test_mat_has_valid_names_and_says_what_they_were(tmp_path):
         assert content[matlab].tobytes() == result[name].tobytes()
 
 
+def test_netcdf_has_units_and_says_where_it_comes_from(tmp_path):
+    xarray = pytest.importorskip("xarray", reason="the extra frames is not installed")
+    result = cradle()
+    result.columns["a/b"] = result.time
+    result.flavours = {"line": "native"}
+    result.save_netcdf(tmp_path / "run.nc")
+    with xarray.open_dataset(tmp_path / "run.nc", decode_timedelta=False) as data:
+        assert set(data.variables) == {"time", "ship.heave", "cradle.heave", "line.tension", "a|b", "one_way:cradle.heave"}
+        assert data["line.tension"].attrs["units"] == "N" and data["a|b"].attrs == {"units": "1", "long_name": "a/b"}
+        assert data["line.tension"].values.tobytes() == result["line.tension"].tobytes()
+        assert data.attrs["scene"] == result.scene_source and json.loads(data.attrs["flavours"]) == {"line": "native"}
+        assert data.attrs["verdict"] == "valid" and data.attrs["source"].startswith("towage ")
+        assert json.loads(data.attrs["coupling_error"]) == result.coupling_error
+    with pytest.raises(TowageError):
+        result.save_netcdf(tmp_path / "nowhere" / "run.nc")
+
+
 def test_summary_is_finite_json():
     result = cradle()
     result.columns["nothing"] = np.full(200, math.nan)

@@ -176,6 +176,7 @@ WRITERS = Registry(
         "csv": "towage.result.writers:CSV",
         "npz": "towage.result.writers:NPZ",
         "mat": "towage.result.writers:MAT",
+        "nc": "towage.result.writers:NETCDF",
     },
 )
 """Writers of result files, `towage.result.writers.Writer`."""

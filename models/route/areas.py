@@ -1,7 +1,7 @@
 """Forbidden areas of the plane: discs, polygons and cells of a grid, and whether a leg touches one.
 
-A leg is a straight segment of the plane. Areas are closed: a leg along the edge of a disc is allowed, because the
-distance is compared with a tolerance of 1e-9 of the radius; one along the edge of a polygon is.
+A leg is a straight segment of the plane. A leg along the edge of an area is allowed: discs and polygons are smaller by 1e-9 of
+their size where they are asked.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from ..numeric.arrays import AnyArray
 
 Mask = NDArray[np.bool_]
+EDGE = 1e-9
+"""Width of an edge over the size of its area."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class Disc:
 
     def contains(self, x: AnyArray, y: AnyArray) -> Mask:
         """Whether places lie inside."""
-        return np.hypot(x - self.x, y - self.y) < self.radius * (1.0 - 1e-9)
+        return np.hypot(x - self.x, y - self.y) < self.radius * (1.0 - EDGE)
 
     def blocks(self, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
         """Whether legs pass through, arrays of one shape."""
@@ -49,14 +51,18 @@ class Polygon:
         if not np.all(np.isfinite(self.corners)):
             raise ValueError("the corners of a polygon must be finite")
         self._next = np.roll(self.corners, -1, axis=0)
+        self._edge = EDGE * float(np.max(np.ptp(self.corners, axis=0)))
 
     def contains(self, x: AnyArray, y: AnyArray) -> Mask:
-        """Whether places lie inside (even-odd rule)."""
+        """Whether places lie inside (even-odd rule) and not on an edge."""
         x, y = np.asarray(x)[..., None], np.asarray(y)[..., None]
         (ax, ay), (bx, by) = self.corners.T, self._next.T
+        dx, dy = bx - ax, by - ay
         across = (ay > y) != (by > y)
-        at = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
-        return np.asarray(np.sum(across & (x < at), axis=-1) % 2 == 1)
+        at = ax + (y - ay) * dx / np.where(by == ay, 1.0, dy)
+        s = np.clip(((x - ax) * dx + (y - ay) * dy) / np.maximum(dx * dx + dy * dy, 1e-300), 0.0, 1.0)
+        near = np.min(np.hypot(x - ax - s * dx, y - ay - s * dy), axis=-1)
+        return np.asarray((np.sum(across & (x < at), axis=-1) % 2 == 1) & (near > self._edge))
 
     def blocks(self, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray) -> Mask:
         """Whether legs cross an edge or lie inside."""

@@ -1,6 +1,6 @@
 """Wave fields given by formulas: what a ship meets at (x, y, t).
 
-    H(x, y, t) = background + peak exp(-d^2/(2 sigma^2)),   d = |(x, y) - centre - velocity t|
+    H(x, y, t) = background + sum peak exp(-d^2/(2 sigma^2)),   d = |(x, y) - centre - velocity t|
 
 A field answers `at` with a `Sea`: height H, the unit vector k toward which the waves come FROM, and the gradients of H
 and of the angle K of k. Where k is not defined (the centre of a vortex) ``directed`` is False and the ship sails as
@@ -12,8 +12,8 @@ slowly as in her worst direction.
 | K | angle of k from +x | rad |
 | u | surface current | m/s |
 
-Directions of a storm that swirls: k is along (1 - e) k0 + e (-dy, dx)/sigma, e = exp(-d^2/(2 sigma^2)), which vanishes
-where the two cancel.
+Directions of storms that swirl: k is along k0 + sum e [(-dy, dx)/sigma - k0], e = exp(-d^2/(2 sigma^2)), which vanishes
+where they cancel.
 
 Assumptions: (1) the waves move with the storm and do not disperse; (2) one direction at a place.
 
@@ -47,14 +47,8 @@ class Sea(NamedTuple):
     directed: AnyArray
 
 
-class Field(Protocol):
-    """What the routes need of a field."""
-
-    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
-        """The sea at places of the plane, m, and times, s."""
-
-    def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
-        """Peak period, s; 0 where it follows from the height."""
+class Known(Protocol):
+    """Where and how long something is known."""
 
     def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
         """Whether there are data at these places."""
@@ -63,11 +57,32 @@ class Field(Protocol):
     def horizon(self) -> float:
         """Time of the last forecast, s; infinite for a formula. Later the field stays as it was then."""
 
+    @property
+    def detail(self) -> float:
+        """Length within which it changes much, m; infinite where it changes evenly."""
+
+
+class Field(Known, Protocol):
+    """What the routes need of a field."""
+
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
+        """The sea at places of the plane, m, and times, s."""
+
+    def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
+        """Peak period, s; 0 where it follows from the height."""
+
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """(x, y, size), m, of storms that are known as such at time ``t``, s: routes pass them on either side."""
+
 
 class _Everywhere:
     def period(self, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
         """Not known: 0."""
         return np.zeros_like(x)
+
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """None."""
+        return ()
 
     def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
         """Everywhere."""
@@ -76,6 +91,11 @@ class _Everywhere:
     @property
     def horizon(self) -> float:
         """No last forecast."""
+        return math.inf
+
+    @property
+    def detail(self) -> float:
+        """Even."""
         return math.inf
 
 
@@ -122,22 +142,58 @@ class StormField(_Everywhere):
     angle: float = 0.0
     swirl: bool = False
 
+    @property
+    def detail(self) -> float:
+        """sigma."""
+        return self.sigma
+
     def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea."""
-        dx = x - self.centre[0] - self.velocity[0] * t
-        dy = y - self.centre[1] - self.velocity[1] * t
-        inverse = 1.0 / self.sigma**2
-        e = np.exp(-0.5 * inverse * (dx * dx + dy * dy))
-        ex, ey = -inverse * dx * e, -inverse * dy * e
-        height, hx, hy = self.background + self.peak * e, self.peak * ex, self.peak * ey
+        return Storms(self.background, (self,), self.angle).at(x, y, t)
+
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """Its own."""
+        return ((self.centre[0] + self.velocity[0] * t, self.centre[1] + self.velocity[1] * t, self.sigma),)
+
+
+@dataclass(frozen=True)
+class Storms(_Everywhere):
+    """Several storms over one background: their peaks add, and so do the swirls. ``angle`` of k0, rad; background and angle
+    of the storms themselves do not count."""
+
+    background: float
+    storms: tuple[StormField, ...]
+    angle: float = 0.0
+
+    @property
+    def detail(self) -> float:
+        """The least sigma."""
+        return min(storm.sigma for storm in self.storms)
+
+    def centres(self, t: float) -> tuple[tuple[float, float, float], ...]:
+        """Of all storms."""
+        return tuple(centre for storm in self.storms for centre in storm.centres(t))
+
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
+        """The sea."""
+        zero = 0.0 * (x + y + t)
+        height, hx, hy = self.background + zero, zero, zero
         k0x, k0y = math.cos(self.angle), math.sin(self.angle)
-        zero = np.zeros_like(e)
-        if not self.swirl:
-            return Sea(height, hx, hy, zero + k0x, zero + k0y, zero, zero, np.ones_like(e, dtype=bool))
-        s = 1.0 / self.sigma
-        wx, wy = (1.0 - e) * k0x - e * dy * s, (1.0 - e) * k0y + e * dx * s
-        wx_x, wx_y = -ex * (k0x + dy * s), -ey * (k0x + dy * s) - e * s
-        wy_x, wy_y = -ex * (k0y - dx * s) + e * s, -ey * (k0y - dx * s)
+        wx, wx_x, wx_y, wy, wy_x, wy_y = k0x + zero, zero, zero, k0y + zero, zero, zero
+        for storm in self.storms:
+            dx = x - storm.centre[0] - storm.velocity[0] * t
+            dy = y - storm.centre[1] - storm.velocity[1] * t
+            inverse = 1.0 / storm.sigma**2
+            e = np.exp(-0.5 * inverse * (dx * dx + dy * dy))
+            ex, ey = -inverse * dx * e, -inverse * dy * e
+            height, hx, hy = height + storm.peak * e, hx + storm.peak * ex, hy + storm.peak * ey
+            if storm.swirl:
+                s = 1.0 / storm.sigma
+                wx, wy = wx - e * (k0x + dy * s), wy - e * (k0y - dx * s)
+                wx_x, wx_y = wx_x - ex * (k0x + dy * s), wx_y - ey * (k0x + dy * s) - e * s
+                wy_x, wy_y = wy_x - ex * (k0y - dx * s) + e * s, wy_y - ey * (k0y - dx * s)
+        if not any(storm.swirl for storm in self.storms):
+            return Sea(height, hx, hy, zero + k0x, zero + k0y, zero, zero, np.ones_like(zero, dtype=bool))
         return directed_sea((height, hx, hy), (wx, wx_x, wx_y), (wy, wy_x, wy_y))
 
 
@@ -153,13 +209,40 @@ def directed_sea(
     return Sea(*height, kx, ky, turn * (kx * wy[1] - ky * wx[1]), turn * (kx * wy[2] - ky * wx[2]), directed)
 
 
+class Flow(NamedTuple):
+    """A current: components along the axes of the plane, true speeds, m/s, and their derivatives per m of the plane."""
+
+    u: AnyArray
+    w: AnyArray
+    u_x: AnyArray
+    u_y: AnyArray
+    w_x: AnyArray
+    w_y: AnyArray
+
+
+class Current(Known, Protocol):
+    """What the routes need of a current."""
+
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Flow:
+        """The current at places of the plane, m, and times, s."""
+
+
 @dataclass(frozen=True)
-class ShearCurrent:
-    """u = (rate_x y, rate_y x): constant gradients; 1/s."""
+class LinearCurrent(_Everywhere):
+    """velocity + gradient (x, y): u = velocity[0] + gradient[0][0] x + gradient[0][1] y, w likewise; m/s and 1/s."""
 
-    rate_x: float = 0.0
-    rate_y: float = 0.0
+    velocity: tuple[float, float] = (0.0, 0.0)
+    gradient: tuple[tuple[float, float], tuple[float, float]] = ((0.0, 0.0), (0.0, 0.0))
 
-    def at(self, x: AnyArray, y: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """u, m/s."""
-        return self.rate_x * y, self.rate_y * x
+    def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Flow:
+        """The current."""
+        (ux, uy), (wx, wy) = self.gradient
+        zero = np.zeros_like(x)
+        return Flow(
+            self.velocity[0] + ux * x + uy * y, self.velocity[1] + wx * x + wy * y, zero + ux, zero + uy, zero + wx, zero + wy
+        )
+
+    @property
+    def uniform(self) -> bool:
+        """Whether it is the same everywhere."""
+        return self.gradient == ((0.0, 0.0), (0.0, 0.0))

@@ -12,7 +12,7 @@ dynamic programming from station to station, the spacing halved once nothing mov
 it serves forbidden areas and tables with hull chords; its error is that of legs of finite length, of the order of
 (turn per leg)^2/12: 1e-4 and less of the time with 192 stations.
 
-Assumptions: those of `medium`; a forbidden passage narrower than a mesh may be missed by the lattice.
+Assumptions: those of `medium` and `nodes`.
 
 Source: E. W. Dijkstra, Numer. Math. 1 (1959) 269-271; E. Kaufman, R. L. Smith, IVHS J. 1 (1993) 1-11 (first in, first
 out). The errors by radius are measured on the test problems.
@@ -30,6 +30,7 @@ import numpy as np
 from ..numeric.arrays import AnyArray
 from .areas import Area, blocked
 from .medium import Medium
+from .nodes import lattice
 
 Point = tuple[float, float]
 GAUSS = (0.5 - math.sqrt(1.0 / 12.0), 0.5 + math.sqrt(1.0 / 12.0))
@@ -67,7 +68,7 @@ def leg_times(
         part = np.where(v > SLOWEST, d / np.maximum(v, SLOWEST), math.inf)
         spent = spent + 0.5 * part
         guess = np.where(np.isfinite(part), part, guess)
-    out = ~(medium.field.inside(x1 + 0.0 * t, y1 + 0.0 * t))
+    out = ~(medium.inside(x1 + 0.0 * t, y1 + 0.0 * t))
     if areas:
         out = out | blocked(areas, x0 + 0.0 * x1, y0 + 0.0 * y1, x1, y1)
     return np.where(still, 0.0, np.where(out, math.inf, spent))
@@ -78,28 +79,18 @@ def search(
     width: float = 0.55, behind: float = 0.15,
 ) -> Path | None:
     """Earliest arrival over a lattice of ``cells`` meshes from start to end, ``width`` D to either side and ``behind``
-    D beyond both ends. None if no way leads to the end."""
-    distance = math.dist(start, end)
-    mesh = distance / cells
+    D beyond both ends, and over places beside areas (`nodes`). None if no way leads to the end."""
+    nodes = lattice(start, end, areas, cells, radius, width, behind)
+    x, y, target = nodes.x, nodes.y, nodes.target
+    here, distance = np.zeros(1), math.dist(start, end)
     ex, ey = (end[0] - start[0]) / distance, (end[1] - start[1]) / distance
-    back, side = math.ceil(behind * cells), math.ceil(width * cells)
-    rows, columns = cells + 2 * back + 1, 2 * side + 1
-    offsets = np.array([
-        (i, j) for i in range(-radius, radius + 1) for j in range(-radius, radius + 1) if math.gcd(i, j) == 1
-    ])  # fmt: skip
-    i, j = np.meshgrid(np.arange(rows) - back, np.arange(columns) - side, indexing="ij")
-    x = (start[0] + mesh * (i * ex - j * ey)).ravel()
-    y = (start[1] + mesh * (i * ey + j * ex)).ravel()
-    source, target = back * columns + side, (back + cells) * columns + side
-    x[target], y[target] = end
-    here = np.zeros(1)
     top = medium.speed_along(here, here + start[0], here + start[1], here + ex, here + ey)[0]
     hint = 1.0 / max(float(top), 1.0)
-    arrival = np.full(rows * columns, math.inf)
-    before = np.full(rows * columns, -1)
-    settled = np.zeros(rows * columns, dtype=bool)
-    arrival[source] = 0.0
-    queue = [(0.0, source)]
+    arrival = np.full(len(x), math.inf)
+    before = np.full(len(x), -1)
+    settled = np.zeros(len(x), dtype=bool)
+    arrival[nodes.source] = 0.0
+    queue = [(0.0, nodes.source)]
     while queue:
         t, node = heapq.heappop(queue)
         if settled[node]:
@@ -107,10 +98,7 @@ def search(
         if node == target:
             break
         settled[node] = True
-        row, column = divmod(node, columns)
-        at = offsets + np.array([row, column])
-        at = at[(at[:, 0] >= 0) & (at[:, 0] < rows) & (at[:, 1] >= 0) & (at[:, 1] < columns)]
-        ahead = at[:, 0] * columns + at[:, 1]
+        ahead = nodes.ahead(node)
         ahead = ahead[~settled[ahead]]
         if not len(ahead):
             continue
@@ -124,7 +112,7 @@ def search(
     if not np.isfinite(arrival[target]):
         return None
     chain = [target]
-    while chain[-1] != source:
+    while chain[-1] != nodes.source:
         chain.append(int(before[chain[-1]]))
     chain.reverse()
     return Path(np.column_stack([x[chain], y[chain]]), arrival[chain])

@@ -25,36 +25,67 @@ Source: Minimal-time ship routing (1964), equations (7)-(10), (13), (14), (16), 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, reduce
+from typing import Any
 
 import numpy as np
 
 from ..numeric.arrays import AnyArray
 from ..numeric.ops import Value, arrays
-from .fields import Field, Sea, ShearCurrent
+from .fields import Current, Field, LinearCurrent, Sea
+from .hulls import TablePolar, WindWavePolar
 from .maps import RouteMap
-from .polar import Polar, TablePolar
+from .polar import Polar
 
 OPS = arrays()
-STILL = ShearCurrent()
+STILL = LinearCurrent()
+TOP_SPEED = 60.0
+"""No ship is faster through the water, m/s."""
+AROUND = 72
+"""Directions in which a largest speed is looked for."""
+ANGLES = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
 
 
 @dataclass(frozen=True)
 class Medium:
-    """Map, field and polar of a problem, and a current where there is one."""
+    """Map, wave field and polar of a problem, a current and the true wind where there are (``wind``: its speed as a height)."""
 
     map: RouteMap
     field: Field
     polar: Polar
-    current: ShearCurrent = STILL
+    current: Current = STILL
+    wind: Field | None = None
 
     @property
     def smooth(self) -> bool:
         """Whether the polar is an ellipse, so that shooting applies."""
-        return not isinstance(self.polar, TablePolar)
+        return not isinstance(self.polar, (TablePolar, WindWavePolar))
+
+    @property
+    def parts(self) -> tuple[Field | Current, ...]:
+        """Waves, current and wind."""
+        return (self.field, self.current, *([self.wind] if self.wind else []))
+
+    @property
+    def horizon(self) -> float:
+        """Time of the first last forecast, s; infinite for formulas."""
+        return min(part.horizon for part in self.parts)
+
+    @property
+    def detail(self) -> float:
+        """Length within which waves, current or wind change much, m."""
+        return min(part.detail for part in self.parts)
+
+    def inside(self, x: AnyArray, y: AnyArray) -> AnyArray:
+        """Whether there are all data at these places."""
+        known: AnyArray = np.ones(np.broadcast(x, y).shape, dtype=bool)
+        for part in self.parts:
+            known = known & part.inside(x, y)
+        return known
 
     def _axes(self, sea: Sea) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray]:
         """Axes of the ellipse and their derivatives; the smallest circle where the waves have no direction."""
-        if isinstance(self.polar, TablePolar):
+        if isinstance(self.polar, (TablePolar, WindWavePolar)):
             raise TypeError("a table has no ellipse")
         a, b, c, da, db, dc = self.polar.axes(sea.height, OPS)
         if sea.directed.all():
@@ -82,11 +113,10 @@ class Medium:
         s_h = (a * da * A * A + b * db * B * B) * inverse
         h_h = m * (s_h - dc * A)
         h_k = m * B * (g - b * b * A * inverse)
-        u, w = self.current.at(x, y)
-        u_y, w_x = self.current.rate_x, self.current.rate_y
+        u, w, u_x, u_y, w_x, w_y = self.current.at(x, y, t)
         drift = u * lx + w * ly
-        lx_rate = -(mx / m * h + h_h * sea.height_x + h_k * sea.angle_x + mx * drift + m * w_x * ly)
-        ly_rate = -(my / m * h + h_h * sea.height_y + h_k * sea.angle_y + my * drift + m * u_y * lx)
+        lx_rate = -(mx / m * h + h_h * sea.height_x + h_k * sea.angle_x + mx * drift + m * (u_x * lx + w_x * ly))
+        ly_rate = -(my / m * h + h_h * sea.height_y + h_k * sea.angle_y + my * drift + m * (u_y * lx + w_y * ly))
         # d^2 h/(dx_i dl_i): derivatives of (g, q) along k and k' with H and K, dotted with their gradients
         g_h = (2.0 * a * da * A - p * s_h) * inverse - dc
         q_h = (2.0 * b * db * B - q * s_h) * inverse
@@ -99,7 +129,7 @@ class Medium:
         across_k = sea.kx * sea.angle_y - sea.ky * sea.angle_x
         div = m * (g_h * along_h + q_h * across_h + (g_k - q) * along_k + (q_k + g) * across_k)
         vx, vy = vx + m * u, vy + m * w
-        div = div + (vx * mx + vy * my) / m
+        div = div + (vx * mx + vy * my) / m + m * (u_x + w_y)
         # m rho/|l|^3 = m a^2 b^2/S^3: rho = a^2 b^2/(S/|l|)^3
         return vx, vy, lx_rate, ly_rate, -d * div, m * (a * b * d) ** 2 * inverse**3
 
@@ -111,7 +141,7 @@ class Medium:
         A, B = lx * sea.kx + ly * sea.ky, ly * sea.kx - lx * sea.ky
         S = np.sqrt((a * A) ** 2 + (b * B) ** 2)
         g, q = a * a * A / S - c, b * b * B / S
-        u, w = self.current.at(x, y)
+        u, w = self.current.at(x, y, t)[:2]
         vx, vy = m * (g * sea.kx - q * sea.ky + u), m * (g * sea.ky + q * sea.kx + w)
         return vx, vy, vx * lx + vy * ly
 
@@ -127,18 +157,109 @@ class Medium:
         kx, ky = float(sea.kx[0]), float(sea.ky[0])
         return float(np.arctan2(nx * ky + ny * kx, nx * kx - ny * ky))
 
+    def frozen(self, t: AnyArray, x: AnyArray, y: AnyArray) -> Frozen:
+        """Everything at these times and places but the course."""
+        sea, scale = self.field.at(x, y, t), self.map.scale(x, y)[0]
+        u, w = self.current.at(x, y, t)[:2]
+        if isinstance(self.polar, (TablePolar, WindWavePolar)):
+            return Frozen(self.polar, scale, u, w, sea, self.wind.at(x, y, t) if self.wind else None, None)
+        return Frozen(self.polar, scale, u, w, sea, None, self._axes(sea)[:3])
+
     def speed_along(self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray) -> AnyArray:
         """Largest speed on the plane, m/s, along the unit vector p; 0 where the ship cannot make it good."""
-        sea = self.field.at(x, y, t)
-        m = self.map.scale(x, y)[0]
+        return self.frozen(t, x, y).along(px, py)
+
+    def fastest(self, t: AnyArray, x: AnyArray, y: AnyArray) -> AnyArray:
+        """A bound on the speed on the plane in any direction, m/s."""
+        now = self.frozen(t, x, y)
+        return np.asarray(np.max([now.support(np.cos(v), np.sin(v)) for v in ANGLES], axis=0) / np.cos(np.pi / AROUND))
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """The set of velocities at times and places, arrays of one shape: scale of the map, current, sea and wind, and the axes of
+    the ellipse where the polar is one."""
+
+    polar: Polar
+    scale: AnyArray
+    u: AnyArray
+    w: AnyArray
+    sea: Sea
+    wind: Sea | None
+    axes: tuple[AnyArray, AnyArray, AnyArray] | None
+    asked: AnyArray | None = None
+
+    @cached_property
+    def fan(self) -> AnyArray:
+        """Speeds of a table through the water in the directions `ANGLES`, (AROUND, ...)."""
+        if self.asked is not None:
+            return self.asked
+        one = np.ones(np.shape(self.scale))
+        return np.array([self.sail(np.cos(v) * one, np.sin(v) * one)[0] for v in ANGLES])
+
+    def part(self, index: tuple[Any, ...]) -> Frozen:
+        """The same at a part of the places."""
+        def cut(values: Any) -> Any:
+            return None if values is None else tuple(v[index] for v in values)
+
+        sea, wind = Sea(*cut(self.sea)), None if self.wind is None else Sea(*cut(self.wind))
+        fan = self.fan[(slice(None), *index)] if self.axes is None else None
+        return Frozen(self.polar, self.scale[index], self.u[index], self.w[index], sea, wind, cut(self.axes), fan)
+
+    def sail(self, px: AnyArray, py: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
+        """(speed through the water along p, m/s, that without tacking, whether waves or wind are beyond the polar's range)."""
+        sea = self.sea
+        if isinstance(self.polar, (TablePolar, WindWavePolar)):
+            return self.polar.sail(sea, self.wind, px, py)
+        assert self.axes is not None
+        a, b, c = self.axes
+        v = _radius(a, b, -c, 0.0, px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky)
+        return v, v, np.asarray(self.polar.beyond(sea.height)) & np.ones(np.shape(v), dtype=bool)
+
+    def along(self, px: AnyArray, py: AnyArray) -> AnyArray:
+        """Largest speed on the plane along the unit vector p, m/s; 0 where the ship cannot make it good."""
+        if self.axes is None:
+            return np.asarray(self.scale * self._table_along(px, py))
+        sea, u, w = self.sea, self.u, self.w
+        a, b, c = self.axes
         along, across = px * sea.kx + py * sea.ky, py * sea.kx - px * sea.ky
-        if isinstance(self.polar, TablePolar):
-            theta = np.where(sea.directed, np.arctan2(across, along), 0.0)
-            return np.asarray(m * self.polar.speed_along(sea.height, theta))
-        a, b, c = self._axes(sea)[:3]
-        u, w = self.current.at(x, y)
         v = _radius(a, b, u * sea.kx + w * sea.ky - c, w * sea.kx - u * sea.ky, along, across)
-        return np.asarray(m * np.maximum(0.0, v))
+        return np.asarray(self.scale * np.maximum(0.0, v))
+
+    def support(self, lx: Value, ly: Value) -> AnyArray:
+        """h = max of l.x' over all velocities x' on the plane; of a table a bound."""
+        if self.axes is None:
+            sails = (speed * (np.cos(v) * lx + np.sin(v) * ly) for speed, v in zip(self.fan, ANGLES))
+            own = reduce(np.maximum, sails) / np.cos(np.pi / AROUND)
+        else:
+            (a, b, c), sea = self.axes, self.sea
+            A, B = lx * sea.kx + ly * sea.ky, ly * sea.kx - lx * sea.ky
+            own = np.sqrt((a * A) ** 2 + (b * B) ** 2) - c * A
+        return np.asarray(self.scale * (own + self.u * lx + self.w * ly))
+
+    def _table_along(self, px: AnyArray, py: AnyArray) -> AnyArray:
+        """Largest v >= 0 for which v p - (u, w) lies in the hull of a table. The gauge of a convex set is convex along a line, so
+        that Newton's method from above comes down on the largest v without passing it."""
+        if not (np.any(self.u) or np.any(self.w)):
+            return self.sail(px, py)[0]
+
+        def gauge(v: AnyArray) -> AnyArray:
+            vx, vy = v * px - self.u, v * py - self.w
+            size = np.hypot(vx, vy)
+            safe = np.maximum(size, 1e-12)
+            return np.asarray(size / np.maximum(self.sail(vx / safe, vy / safe)[0], 1e-9))
+
+        v = np.full(np.broadcast(px, self.u).shape, TOP_SPEED) + np.hypot(self.u, self.w)
+        for _ in range(40):
+            step = 1e-6 * (1.0 + v)
+            g = gauge(v)
+            slope = (g - gauge(v - step)) / step
+            lower = np.where(slope > 0.0, v - (g - 1.0) / np.where(slope > 0.0, slope, 1.0), -1.0)
+            done = np.abs(lower - v) < 1e-9 * (1.0 + v)
+            v = np.where(g > 1.0, np.maximum(lower, -1.0), v)
+            if np.all(done | (g <= 1.0) | (v < 0.0)):
+                break
+        return np.asarray(np.maximum(0.0, v))
 
 
 def _radius(a: Value, b: Value, ck: Value, cn: Value, along: Value, across: Value) -> Value:

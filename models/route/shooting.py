@@ -22,8 +22,8 @@ method cannot end in one there.
 Certificate: j_exact > 0 along the whole track is Jacobi's condition (no conjugate point); with the convex polar this
 makes the track a strict local minimum.
 
-Assumptions: those of `medium`; no forbidden areas. Integration: fixed steps of order 8 (`system`), 32 a voyage:
-1e-9 h on the storms of the reference file; order 2 to 4 on gridded data, whose second derivatives jump.
+Assumptions: those of `medium`; no forbidden areas. Integration: fixed steps of order 8 (`system`); order 2 to 4 on
+gridded data, whose second derivatives jump. How many steps, `extremals` decides.
 
 Source: Minimal-time ship routing (1964), equations (16), (20)-(22); the finding on j is the project's own.
 """
@@ -51,14 +51,16 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Track:
-    """A route at n + 1 instants: ``time`` (s), ``x``, ``y`` (m), adjoint angle ``normal`` (rad), ``j_exact`` (m/rad),
-    each (n + 1,)."""
+    """A route at n + 1 instants, each (n + 1,): ``time`` (s), ``x``, ``y`` (m), adjoint angle ``normal`` (rad), ``j_exact``
+    (m/rad), and what the source prints beside them: ``adjoint`` |l|, its J ``j_seed`` (m/rad)."""
 
     time: AnyArray
     x: AnyArray
     y: AnyArray
     normal: AnyArray
     j_exact: AnyArray
+    adjoint: AnyArray
+    j_seed: AnyArray
 
     @property
     def certified(self) -> bool:
@@ -174,5 +176,6 @@ def tracks(
         x, y, lx, ly = (history[:, c, i] for c in range(4))
         size = np.hypot(lx, ly)
         j = (lx / size * (history[:, 1, k + i] - y) - ly / size * (history[:, 0, k + i] - x)) / DELTA
-        tracks.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j))
+        tracks.append(Track(np.linspace(0.0, last[i], steps + 1), x, y, np.unwrap(np.arctan2(ly, lx)), j, size,
+                            history[:, 5, i] * size / history[:, 4, i]))  # fmt: skip
     return tracks

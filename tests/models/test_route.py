@@ -14,10 +14,12 @@ from towage.models.route import shooting as route_shooting
 from towage.models.route.areas import Disc, Polygon
 from towage.models.route.fields import Field, StormField, UniformField
 from towage.models.route.grid import Axis, GridField
+from towage.models.route.hulls import TablePolar
 from towage.models.route.maps import FlatMap, StereographicMap
 from towage.models.route.medium import Medium
-from towage.models.route.plan import Plan, Problem, RouteError, plan
-from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar, TablePolar
+from towage.models.route.plan import Plan, plan
+from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar
+from towage.models.route.problem import Problem, RouteError
 from towage.verify import sea as verify_sea
 from towage.verify import verify
 
@@ -138,10 +140,11 @@ def test_the_graph_is_bound_by_the_radius_and_not_by_the_mesh() -> None:
     assert errors[0] > 0.03 and 0.0 < errors[1] < 6e-3
 
 
-def test_a_forbidden_disc_is_rounded_to_the_accuracy_stated() -> None:
-    found = plan(calm(Disc(500.0 * MILE, 0.0, 150.0 * MILE)))
-    assert found.best.kind == "corridor" and not found.best.certified
-    assert found.best.duration / HOUR == pytest.approx(54.16305687158366, rel=1e-4)
+@pytest.mark.parametrize(("method", "kind", "within"), [("safeguarded", "visibility", 1e-9), ("graph", "corridor", 1e-4)])
+def test_a_forbidden_disc_is_rounded_to_the_accuracy_stated(method: str, kind: str, within: float) -> None:
+    found = plan(calm(Disc(500.0 * MILE, 0.0, 150.0 * MILE)), method=method)
+    assert found.best.kind == kind and found.best.certified == (method != "graph")
+    assert found.best.duration / HOUR == pytest.approx(54.16305687158366, rel=within)
     distance = np.hypot(found.best.x - 500.0 * MILE, found.best.y)
     assert distance.min() > 150.0 * MILE * (1.0 - 1e-9)
     assert found.straight is None and any("crosses a forbidden area" in note for note in found.notes)
@@ -258,7 +261,8 @@ def test_past_the_last_forecast_the_field_stays_and_the_share_is_told() -> None:
         (calm(Disc(END[0], 0.0, 1e4)), "forbidden", "end"),
         (calm(field=gridded(6.0, west=100.0)), "outside", "start .* outside the wave data"),
         (Problem(calm().medium, START, (math.nan, 0.0)), "input", "not a place"),
-        (calm(Polygon([(4e5, -2e6), (5e5, -2e6), (5e5, 2e6), (4e5, 2e6)])), "unreachable", "forbidden areas"),
+        (calm(*[Disc(END[0] + 3e5 * math.cos(a), 3e5 * math.sin(a), 1.2e5) for a in np.arange(0.0, 6.3, 0.5)]), "unreachable",
+         "forbidden areas"),
     ],
 )
 def test_reasons(given: Problem, reason: str, message: str) -> None:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from towage.models.numeric.ops import FLOATS, arrays
-from towage.models.route.polar import FOOT, JAMES_LIMIT, KNOT, JamesPolar, TablePolar, follow_beam_head
+from towage.models.route.hulls import TablePolar
+from towage.models.route.polar import FOOT, JAMES_LIMIT, KNOT, JamesPolar, follow_beam_head
 
 NOTCH_ANGLES = np.linspace(0.0, math.pi, 2881)
 NOTCH = TablePolar([0.0], NOTCH_ANGLES.tolist(), [(KNOT * 18.0 * (1 - 0.75 * np.exp(-((NOTCH_ANGLES / 0.35) ** 2)))).tolist()])

@@ -14,9 +14,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of ``towage route``."""
     parser.add_argument("file", metavar="FILE", help="a route file, or the name of a shipped route (storm, pacific)")
     parser.add_argument("--method", choices=("safeguarded", "seed", "graph"), help="in place of the file's")
+    parser.add_argument("--fraction", metavar="F", type=float, help="of the corrections of the method seed; the source's: 0.5")
     parser.add_argument("--cells", metavar="N", type=_count, default=20, help="meshes of the graph from start to end")
     parser.add_argument("--radius", metavar="R", type=_count, default=3, help="reach of a leg of the graph, meshes")
     parser.add_argument("--csv", metavar="FILE", type=Path, help="write the track of the best route")
+    parser.add_argument("--gpx", metavar="FILE", type=Path, help="write it as GPX, for a plotter")
+    parser.add_argument("--source-table", metavar="FILE", type=Path,
+                        help="write the source's columns along an extremal: LAMBDA, S, J, Q")  # fmt: skip
     parser.add_argument("--map", metavar="FILE", type=Path, help="draw waves and routes (.svg, .png or .pdf)")
     parser.add_argument("--at", metavar="HOURS", type=_hours, action="append", help="time of a map (may be repeated)")
     parser.add_argument("--parameters", choices=("best", "straight"), help="print the parameters of the unit voyage")
@@ -46,9 +50,14 @@ def execute(arguments: argparse.Namespace) -> int:
 
     if arguments.map and arguments.map.suffix.lower() not in (".svg", ".png", ".pdf"):
         raise SceneError(f"--map {arguments.map}: expected a name that ends in .svg, .png or .pdf")
-    planned = route(arguments.file, method=arguments.method, cells=arguments.cells, radius=arguments.radius)
+    planned = route(arguments.file, method=arguments.method, cells=arguments.cells, radius=arguments.radius,
+                    fraction=arguments.fraction)  # fmt: skip
     if arguments.csv:
         planned.save_csv(arguments.csv)
+    if arguments.gpx:
+        planned.save_gpx(arguments.gpx)
+    if arguments.source_table:
+        planned.save_source_table(arguments.source_table)
     if arguments.map:
         planned.save_map(arguments.map, arguments.at)
     if arguments.parameters:

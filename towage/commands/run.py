@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KINDS",
         type=kinds,
         default=DEFAULT_WRITERS,
-        help="kinds of result files, with commas: csv, npz, mat, and those of other packages (default: csv,npz)",
+        help="kinds of result files, with commas: csv, npz, mat, nc, and those of other packages (default: csv,npz)",
     )
     parser.add_argument("--mat", action="store_true", help="write MATLAB files too")
     parser.add_argument("--no-report", action="store_true", help="write no report.html")

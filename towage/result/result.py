@@ -1,6 +1,6 @@
 """What one run leaves behind: time series, events, findings, the verdict, and how they are kept and shown.
 
-A result holds SI values on one time grid. npz is the working store (bit-exact), CSV and MAT 5 are for other programs.
+A result holds SI values on one time grid. npz is the working store (bit-exact), CSV, MAT 5 and netCDF are for other programs.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from towage.errors import TowageError, suggest
 from towage.result import frames, show
 from towage.result.csv_file import write_csv
 from towage.result.mat_file import write_mat
+from towage.result.netcdf_file import write_netcdf
 from towage.result.npz_file import read_npz, write_npz
 from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Item, Margin, Statistic, Verdict
 
@@ -146,6 +147,16 @@ class Result:
         """MAT 5: column vectors under valid MATLAB names (``line.tension`` becomes ``line_tension``), and the cell
         array ``variables`` with rows {MATLAB name, name, unit}. Columns of the one-way run are called ``one_way_name``."""
         write_mat(path, *self.series("one_way."))
+
+    def save_netcdf(self, path: str | os.PathLike[str]) -> None:
+        """netCDF 4: a variable a column (SI) over ``time`` (s) with attribute ``units``, those of the one-way run as
+        ``one_way:name``; attributes of the file say where it comes from: what `about` says, the version of towage, the scene,
+        the flavours of its units and the coupling errors."""
+        from towage import __version__
+
+        provenance = {"source": f"towage {__version__}", "scene": self.scene_source, "flavours": self.flavours,
+                      "coupling_error": _plain(self.coupling_error, finite=True), "Conventions": "CF-1.8"}  # fmt: skip
+        write_netcdf(path, *self.series(), {**self.about(), **provenance})
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A pandas table indexed by ``time`` (s), a column a variable (SI), those of the one-way run as ``one_way:name``;

@@ -22,4 +22,5 @@ class Writer:
 
 CSV = Writer("csv", "csv", Result.save_csv, "a column a variable, for spreadsheets")
 NPZ = Writer("npz", "npz", Result.save_npz, "everything, bit-exact, for towage report and numpy")
+NETCDF = Writer("nc", "nc", Result.save_netcdf, "netCDF 4 with units of measure and provenance, for xarray")
 MAT = Writer("mat", "mat", Result.save_mat, "MAT 5, for MATLAB and Octave")

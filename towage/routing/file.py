@@ -1,10 +1,11 @@
 """A route file: from where to where, with which ship, through which sea. TOML; numbers may carry units (``"20 ft"``).
 
     title = "..."
-    [route]       start, end: [x, y] on a flat map, [latitude, longitude] on a sphere; method
+    [route]       start, end: [x, y] on a flat map, [latitude, longitude] on a sphere; departure; method, and for "seed" the
+                  fraction of its corrections
     [map]         kind = "flat" (default) or "sphere"
-    [ship]        polar = "P2-S2-R2 (1957)", or speed, or table = { heights, angles, speeds }
-    [sea]         kind = "calm", "uniform", "storm" or "file"
+    [ship]        polar = "P2-S2-R2 (1957)", or speed, or tables over waves, wind or both (`ships`)
+    [sea]         kind = "calm", "uniform", "storm" or "file" (`seas`), as [wind] and [current]
     [[forbidden]] centre and radius, or corners
 
 Angles of waves are those they come FROM: on a flat map counterclockwise from +x (``wave_angle``), in a file of data
@@ -20,36 +21,34 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from towage.fmus.declare.quantities import QuantityError, parse_quantity
 from towage.models.route.areas import Area, Disc, Polygon
-from towage.models.route.fields import Field, StormField, UniformField
+from towage.models.route.hulls import TablePolar, WindWavePolar
 from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
-from towage.models.route.plan import Problem
-from towage.models.route.polar import ConstantPolar, JamesPolar, Polar, TablePolar
-from towage.scene.tables import Tables, find_file, read_toml
+from towage.models.route.problem import Problem
+from towage.routing import ships
+from towage.routing.forecast.read import Frame
+from towage.routing.seas import Surroundings, departure
+from towage.routing.tables import RouteTables
+from towage.scene.tables import find_file, read_toml
 
 SHIPPED = Path(__file__).parents[1] / "routes"
-KEYS = {
-    "": ("title", "description", "route", "map", "ship", "sea", "forbidden"),
-    "route": ("start", "end", "method", "departure"),
-    "map": ("kind", "radius"),
-    "ship": ("polar", "speed", "table"),
-    "ship.table": ("heights", "angles", "speeds"),
-    "sea": ("kind", "height", "wave_angle", "background", "peak", "centre", "sigma", "velocity", "swirl", "file",
-            "variables"),
-    "forbidden": ("name", "centre", "radius", "corners"),
-}  # fmt: skip
+METHODS = ("safeguarded", "seed", "graph")
 
 
 @dataclass(frozen=True)
 class RouteFile:
-    """What a route file says; ``problem`` in SI on the plane of the map."""
+    """What a route file says; ``problem`` in SI on the plane of the map. ``fraction``: of the corrections of the
+    method "seed". ``notes``: what its data files left open, and what was
+    assumed, for people."""
 
     title: str
     problem: Problem
     method: str
     path: Path
+    departure: datetime.datetime | None = None
+    fraction: float = 1.0
+    notes: tuple[str, ...] = ()
 
 
 def load(given: str | Path) -> RouteFile:
@@ -59,79 +58,40 @@ def load(given: str | Path) -> RouteFile:
     return _Reader(path).route(data)
 
 
-class _Reader(Tables):
-    """Reads the tables of a route file."""
+class _Reader(RouteTables):
+    """Reads a whole route file."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self.given = path
 
-    def part(self, data: dict[str, Any], key: str, needed: bool = True) -> dict[str, Any]:
-        """The table ``key``, with no unknown keys; empty if it is missing and not ``needed``."""
-        name = key.rpartition(".")[2]
-        if needed and name not in data:
-            self.fail("this table is missing", key)
-        return self.known(data.get(name, {}), key)
-
-    def known(self, value: object, key: str) -> dict[str, Any]:
-        """The table itself, if it has no unknown keys."""
-        table = self.table(value, key)
-        for name in table:
-            if name not in KEYS[key]:
-                self.unknown(name, KEYS[key], key)
-        return table
-
-    def number(self, table: dict[str, Any], key: str, unit: str, default: float | None = None) -> float:
-        """A number, in ``unit`` if it is a text with a unit."""
-        name = key.rpartition(".")[2]
-        if name not in table:
-            if default is None:
-                self.fail("this value is missing", key)
-            return default
-        return self.value(table[name], key, unit)
-
-    def value(self, value: object, key: str, unit: str) -> float:
-        """A number or a text with a unit, finite."""
-        if isinstance(value, str):
-            try:
-                return parse_quantity(value, unit)
-            except QuantityError as error:
-                self.fail(str(error), key)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            self.fail(f"expected a finite number or a text with a unit, got {value!r}", key)
-        return float(value)
-
-    def pair(self, table: dict[str, Any], key: str, unit: str) -> tuple[float, float]:
-        """Two numbers."""
-        value = table.get(key.rpartition(".")[2])
-        if not isinstance(value, list) or len(value) != 2:
-            self.fail(f"expected two numbers, got {value!r}", key)
-        return self.value(value[0], key, unit), self.value(value[1], key, unit)
-
-    def choice(self, table: dict[str, Any], key: str, allowed: Iterable[str], default: str | None = None) -> str:
-        """One of a few words."""
-        value = table.get(key.rpartition(".")[2], default)
-        if value not in (names := list(allowed)):
-            self.fail(f"expected one of: {', '.join(names)}; got {value!r}", key)
-        return str(value)
-
     def route(self, data: dict[str, Any]) -> RouteFile:
         """What the whole file says."""
         self.known(data, "")
         route, ship, sea = (self.part(data, key) for key in ("route", "ship", "sea"))
+        wind, current = (self.part(data, key, needed=False) for key in ("wind", "current"))
         kind = self.choice(self.part(data, "map", needed=False), "map.kind", ("flat", "sphere"), "flat")
-        method = self.choice(route, "route.method", ("safeguarded", "seed", "graph"), "safeguarded")
+        method = self.choice(route, "route.method", METHODS, "safeguarded")
         plane: RouteMap = FlatMap()
         if kind == "sphere":
             plane, start, end = self.sphere(data, route)
         else:
             start, end = self.pair(route, "route.start", "m"), self.pair(route, "route.end", "m")
-        areas = list(self.areas(data, plane))
-        field, no_data = self.sea(sea, plane, start, end, route.get("departure"))
-        if no_data is not None:
-            areas.append(no_data)
-        problem = Problem(Medium(plane, field, self.polar(ship)), start, end, tuple(areas))
-        return RouteFile(str(data.get("title", self.given.stem)), problem, method, self.given)
+        areas, notes = list(self.areas(data, plane)), list[str]()
+        leaves = departure(self, route.get("departure"))
+        around = Surroundings(self, self.given, Frame(plane, start, end, leaves), areas, notes)
+        polar = ships.polar(self, ship, notes)
+        medium = Medium(plane, around.sea(sea), polar, around.current(current), around.wind(wind))
+        if isinstance(polar, (TablePolar, WindWavePolar)) and polar.needs_wind and medium.wind is None:
+            self.fail("this table is missing: the ship has a wind_table", "wind")
+        problem = Problem(medium, start, end, tuple(areas))
+        fraction = self.number(route, "route.fraction", "1", 1.0)
+        if fraction != 1.0 and method != "seed":
+            self.fail('only the source\'s iteration takes a part of its corrections: method = "seed"', "route.fraction")
+        if not 0.0 < fraction <= 1.0:
+            self.fail(f"{fraction:g}: expected more than 0 and at most 1", "route.fraction")
+        return RouteFile(str(data.get("title", self.given.stem)), problem, method, self.given, leaves, fraction,
+                         tuple(dict.fromkeys(notes)))  # fmt: skip
 
     def sphere(
         self, data: dict[str, Any], route: dict[str, Any]
@@ -147,63 +107,6 @@ class _Reader(Tables):
         plane = StereographicMap(radius, south=ends[0][0] + ends[1][0] < 0.0)
         points = [tuple(float(v) for v in plane.to_plane(*end)) for end in ends]
         return plane, (points[0][0], points[0][1]), (points[1][0], points[1][1])
-
-    def polar(self, ship: dict[str, Any]) -> Polar:
-        """The polar diagram."""
-        if len(ship) != 1:
-            self.fail("expected exactly one of polar, speed and table", "ship")
-        if "polar" in ship:
-            self.choice(ship, "ship.polar", (JamesPolar().name,))
-            return JamesPolar()
-        if "speed" in ship:
-            speed = self.number(ship, "ship.speed", "m/s")
-            if speed <= 0.0:
-                self.fail(f"{speed} m/s: expected more than 0", "ship.speed")
-            return ConstantPolar(speed)
-        table = self.part(ship, "ship.table")
-        lists = {}
-        for name, unit in (("heights", "m"), ("angles", "rad")):
-            values = table.get(name)
-            if not isinstance(values, list):
-                self.fail("expected a list", f"ship.table.{name}")
-            lists[name] = [self.value(v, f"ship.table.{name}", unit) for v in values]
-        rows = table.get("speeds")
-        if not isinstance(rows, list) or not all(isinstance(row, list) for row in rows):
-            self.fail("expected a list of lists, one a height", "ship.table.speeds")
-        try:
-            return TablePolar(
-                lists["heights"], lists["angles"],
-                [[self.value(v, "ship.table.speeds", "m/s") for v in row] for row in rows],
-            )  # fmt: skip
-        except ValueError as error:
-            self.fail(str(error), "ship.table")
-
-    def sea(
-        self, sea: dict[str, Any], plane: RouteMap, start: tuple[float, float], end: tuple[float, float], departure: object
-    ) -> tuple[Field, Area | None]:
-        """The wave field, and where it has no data."""
-        kind = self.choice(sea, "sea.kind", ("calm", "uniform", "storm", "file"))
-        angle = self.number(sea, "sea.wave_angle", "rad", 0.0)
-        if kind == "calm":
-            return UniformField(), None
-        if kind == "uniform":
-            return UniformField(self.number(sea, "sea.height", "m"), angle), None
-        if kind == "storm":
-            sigma = self.number(sea, "sea.sigma", "m")
-            if sigma <= 0.0:
-                self.fail(f"{sigma} m: expected more than 0", "sea.sigma")
-            velocity = self.pair(sea, "sea.velocity", "m/s") if "velocity" in sea else (0.0, 0.0)
-            return StormField(
-                self.number(sea, "sea.background", "m", 0.0), self.number(sea, "sea.peak", "m"),
-                self.pair(sea, "sea.centre", "m"), sigma, velocity, angle, bool(sea.get("swirl", False)),
-            ), None  # fmt: skip
-        from towage.routing.data import read
-
-        if not isinstance(sea.get("file"), str):
-            self.fail("expected the path of a netCDF file, relative to this one", "sea.file")
-        if departure is not None and not isinstance(departure, datetime.datetime):
-            self.fail(f"expected a date and time, got {departure!r}", "route.departure")
-        return read(self.given.parent / sea["file"], plane, start, end, departure, sea.get("variables", {}))
 
     def areas(self, data: dict[str, Any], plane: RouteMap) -> Iterable[Area]:
         """Forbidden areas on the plane; corners as ``start`` is given."""
@@ -227,7 +130,4 @@ class _Reader(Tables):
                 self.fail("on a sphere an area is given by its corners", key)
             else:
                 x, y = self.pair(area, f"{key}.centre", "m")
-                radius = self.number(area, f"{key}.radius", "m")
-                if radius <= 0.0:
-                    self.fail(f"{radius} m: expected more than 0", f"{key}.radius")
-                yield Disc(x, y, radius, name)
+                yield Disc(x, y, self.positive(area, f"{key}.radius", "m"), name)

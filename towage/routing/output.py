@@ -1,4 +1,4 @@
-"""What a computed route is written as: a table of the voyage, CSV, parameters of the unit `voyage`, and a map.
+"""What a computed route is written as: a table of the voyage, CSV, GPX, the source's table, parameters of the unit `voyage`.
 
 A `Voyage` holds what the ship meets at instants of her route, SI and radians: heading clockwise from north (on a flat map
 y is north), wave direction between course and travel of the waves, pi for head seas, both unwrapped.
@@ -6,21 +6,22 @@ y is north), wave direction between course and travel of the waves, pi for head 
 
 from __future__ import annotations
 
+import datetime
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from towage.errors import TowageError
 from towage.files import atomic_write
 from towage.models.route import voyage
 from towage.models.route.maps import StereographicMap
-from towage.models.route.plan import Plan, Problem, Route
+from towage.models.route.problem import Problem, Route
 from towage.models.sea.waves import peak_frequency
-from towage.report.svg import save_figure
+from towage.routing.file import RouteFile
 
 Array = NDArray[np.float64]
 MILE, KNOT, HOUR = 1852.0, 1852.0 / 3600.0, 3600.0
@@ -88,6 +89,49 @@ def write_csv(path: Path, problem: Problem, route: Route, count: int = 101) -> N
         np.degrees(v.wave_direction) % 360.0,
     ]  # fmt: skip
     head = f"time_h,{names},heading_deg,speed_kn,wave_height_m,wave_period_s,wave_direction_deg"
+    _write_table(path, head, columns)
+
+
+def write_gpx(path: Path, given: RouteFile, route: Route, count: int = 101) -> None:
+    """The track as GPX 1.1 (Topografix), with times where the route file has a departure. Raises `TowageError`."""
+    from xml.etree import ElementTree
+
+    plane = given.problem.medium.map
+    if not isinstance(plane, StereographicMap):
+        raise TowageError(f'{given.path}: a track in GPX has latitudes and longitudes: it needs map.kind = "sphere"')
+    v = voyage_table(given.problem, route, count)
+    gpx = ElementTree.Element("gpx", version="1.1", creator="towage", xmlns="http://www.topografix.com/GPX/1/1")
+    track = ElementTree.SubElement(gpx, "trk")
+    ElementTree.SubElement(track, "name").text = given.title
+    segment = ElementTree.SubElement(track, "trkseg")
+    start = given.departure and (given.departure.astimezone(datetime.UTC) if given.departure.tzinfo else given.departure)
+    for latitude, longitude, time in zip(*(np.degrees(c) for c in plane.to_geographic(v.x, v.y)), v.time.tolist()):
+        point = ElementTree.SubElement(segment, "trkpt", lat=f"{latitude:.7f}", lon=f"{longitude:.7f}")
+        if start:
+            when = start + datetime.timedelta(seconds=round(time))
+            ElementTree.SubElement(point, "time").text = when.strftime("%Y-%m-%dT%H:%M:%SZ")
+    ElementTree.indent(gpx)
+    with atomic_write(path) as stream:
+        stream.write(ElementTree.tostring(gpx, encoding="utf-8", xml_declaration=True))
+
+
+def write_source_table(path: Path, problem: Problem, route: Route) -> None:
+    """Along an extremal, in the source's letters: LAMBDA, size of the adjoint vector, 1 at the start; S, distance sailed,
+    nautical miles; J, the integral (20) of its iteration, nautical miles a radian; Q, direction of the adjoint vector, degrees
+    counterclockwise from +x of the plane. Raises `TowageError`."""
+    way = route.track
+    if way is None:
+        raise TowageError(f"the best route is no extremal but of kind {route.kind}: the source's table has no columns for it")
+    scale = problem.medium.map.scale(way.x, way.y)[0]
+    leg = np.hypot(np.diff(way.x), np.diff(way.y)) * 2.0 / (scale[1:] + scale[:-1])
+    distance = np.concatenate([[0.0], np.cumsum(leg)])
+    columns = [way.time / HOUR, way.x / MILE, way.y / MILE, way.adjoint, distance / MILE, way.j_seed / MILE]
+    columns.append(np.degrees(way.normal))
+    _write_table(path, "time_h,x_nmi,y_nmi,LAMBDA,S_nmi,J_nmi_per_rad,Q_deg", columns)
+
+
+def _write_table(path: Path, head: str, columns: Sequence[Array]) -> None:
+    """Columns as CSV."""
     lines = [head] + [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
     with atomic_write(path) as stream:
         stream.write(("\n".join(lines) + "\n").encode())
@@ -114,51 +158,3 @@ def parameters_text(values: dict[str, float], prefix: str = "") -> str:
         key = f'"{prefix}{name}"' if prefix else name
         lines.append(f"{key} = {value!r}")
     return "\n".join(lines) + "\n"
-
-
-def draw(path: Path, title: str, problem: Problem, plan: Plan, hours: Sequence[float] | None = None) -> None:
-    """Map at one or more times (default: a quarter, half and three quarters of the voyage): contours of wave height,
-    arrows the way the waves travel, all routes, and the ship where she is then."""
-    from matplotlib.figure import Figure
-
-    times = [h * HOUR for h in hours] if hours else [f * plan.best.duration for f in (0.25, 0.5, 0.75)]
-    routes: list[tuple[str, Route, dict[str, Any]]] = [("best", plan.best, {"color": "#c8102e", "lw": 2.0})]
-    routes += [(f"local minimum {k}", r, {"color": "#1f77b4", "ls": "--"}) for k, r in enumerate(plan.others, 2)]
-    for name, other, dots in (("straight", plan.straight, ":"), ("geodesic", plan.geodesic, "-.")):
-        if other is not None and (name == "straight" or other is not plan.straight):
-            routes.append((name, other, {"color": "black", "ls": dots, "lw": 1.0}))
-    xs, ys = (np.concatenate([np.ravel(getattr(r, c)) for _, r, _ in routes]) for c in ("x", "y"))
-    pad = 0.12 * max(np.ptp(xs), np.ptp(ys), MILE)
-    x = np.linspace(xs.min() - pad, xs.max() + pad, 90)
-    y = np.linspace(ys.min() - 2.0 * pad, ys.max() + 2.0 * pad, 70)
-    gx, gy = np.meshgrid(x, y)
-    inside = problem.medium.field.inside(gx, gy)
-    height = max(2.2, 6.0 * (y[-1] - y[0]) / (x[-1] - x[0]))
-    figure = Figure(figsize=(8.0, (min(height, 6.0) + 0.5) * len(times)), layout="constrained")
-    for k, t in enumerate(times):
-        axes = figure.add_subplot(len(times), 1, k + 1)
-        sea = problem.medium.field.at(gx, gy, np.full(gx.shape, t))
-        waves = np.where(inside, sea.height, math.nan)
-        if np.nanmax(waves) > np.nanmin(waves):
-            lines = axes.contour(x / MILE, y / MILE, waves, levels=8, colors="0.55", linewidths=0.8)
-            axes.clabel(lines, fmt="%.1f m", fontsize=7)
-        if np.nanmax(waves) > 0.0:
-            some = (slice(None, None, 10), slice(None, None, 9))
-            shown = (inside & sea.directed)[some]
-            axes.quiver(gx[some][shown] / MILE, gy[some][shown] / MILE, -sea.kx[some][shown], -sea.ky[some][shown],
-                        color="0.75", scale=40, width=0.002)  # fmt: skip
-        for area in problem.areas:
-            mask = area.contains(gx, gy)
-            if mask.any():
-                axes.contourf(x / MILE, y / MILE, mask.astype(float), levels=[0.5, 1.5], colors=["#d9c9a3"])
-        for name, route, style in routes:
-            axes.plot(route.x / MILE, route.y / MILE, label=f"{name}, {route.duration / HOUR:.2f} h", **style)
-            if len(route.time) > 1:
-                place = [np.interp(t, route.time, c) / MILE for c in (route.x, route.y)]
-                axes.plot(*place, "o", color=style["color"], ms=5)
-        axes.set_aspect("equal")
-        axes.set_title(f"{title}: {t / HOUR:.1f} h" if k == 0 else f"{t / HOUR:.1f} h", fontsize=9)
-        axes.set_xlabel("nmi")
-        if k == 0:
-            axes.legend(fontsize=7, loc="best")
-    save_figure(figure, path)

@@ -17,10 +17,11 @@ from towage.models.numeric.ops import FLOATS
 from towage.models.route import plan as route
 from towage.models.route import shooting as route_shooting
 from towage.models.route.areas import Area, Disc
-from towage.models.route.fields import Field, LinearField, ShearCurrent, StormField, UniformField
+from towage.models.route.fields import Field, LinearCurrent, LinearField, StormField, UniformField
 from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
 from towage.models.route.polar import FOOT, KNOT, ConstantPolar, JamesPolar, Polar, ProportionalPolar, follow_beam_head
+from towage.models.route.problem import Problem
 from towage.models.sea import heave_response, waves
 
 MILE, HOUR = 1852.0, 3600.0
@@ -70,7 +71,7 @@ def _polar(inputs: Values) -> Polar:
     return JamesPolar()
 
 
-def problem(inputs: Values) -> route.Problem:
+def problem(inputs: Values) -> Problem:
     """The route problem of a case in SI. Raises ``ValueError`` and ``KeyError``."""
     kind = inputs["map"]
     plane: RouteMap
@@ -90,14 +91,14 @@ def problem(inputs: Values) -> route.Problem:
         (x, y), r = inputs["forbidden_disc"]["centre_nm"], inputs["forbidden_disc"]["radius_nm"]
         areas = (Disc(x * MILE, y * MILE, r * MILE),)
     (x0, y0), (x1, y1) = ends
-    return route.Problem(Medium(plane, _field(inputs["field"]), _polar(inputs)), (x0, y0), (x1, y1), areas)
+    return Problem(Medium(plane, _field(inputs["field"]), _polar(inputs)), (x0, y0), (x1, y1), areas)
 
 
 def _zermelo(inputs: Values) -> Values:
     """Unit speed in the shear current u = -y: the extremal from ``theta0_deg``."""
     if inputs["current"].replace(" ", "") != "u=-y,v=0":
         raise ValueError(f"current {inputs['current']!r}: expected u = -y, v = 0")
-    medium = Medium(FlatMap(), UniformField(), ConstantPolar(inputs["speed"]), ShearCurrent(rate_x=-1.0))
+    medium = Medium(FlatMap(), UniformField(), ConstantPolar(inputs["speed"]), LinearCurrent(gradient=((0.0, -1.0), (0.0, 0.0))))
     (x0, y0), (x1, y1) = inputs["start"], inputs["end"]
     start, end = (float(x0), float(y0)), (float(x1), float(y1))
     alpha = math.radians(inputs["theta0_deg"]) + np.linspace(-0.3, 0.3, 3)
@@ -108,7 +109,7 @@ def _zermelo(inputs: Values) -> Values:
     return {"time": float(np.min(shots.time[shots.converged]))}
 
 
-def saddles(given: route.Problem, guess: float) -> list[float]:
+def saddles(given: Problem, guess: float) -> list[float]:
     """Times, s, of extremals with a conjugate point, by damped Newton steps with the true Jacobian from 15 courses,
     finished with full ones."""
     (x0, y0), (x1, y1) = given.start, given.end

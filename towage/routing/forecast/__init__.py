@@ -1,0 +1,1 @@
+"""Forecasts of waves, wind and currents from files onto the plane of a route."""
