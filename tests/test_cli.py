@@ -407,7 +407,7 @@ def test_interrupted_run_keeps_its_record(stop: signal.Signals, bad: Path, tmp_p
     assert "Bad, slow: failed" in out
     result = Result.load_npz(tmp_path / "o" / "slow.npz")
     assert 0.5 <= result.time[-1] < 60.0
-    assert result.message.startswith("interrupted; the record ends at t = ")
+    assert result.message.startswith(f"interrupted by {signal.Signals(stop).name}; the record ends at t = ")
     assert Result.load_npz(tmp_path / "o" / "good.npz").status == "done"
     assert "slow" in (tmp_path / "o" / "report.html").read_text("utf-8")
 

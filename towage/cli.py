@@ -15,9 +15,12 @@ from collections.abc import Sequence
 
 from towage import __version__
 from towage.errors import TowageError
+from towage.terminal import BUG, INTERRUPTED, complain
 
 COMMANDS = {
     "run": "towage.commands.run",
+    "recover": "towage.commands.recover",
+    "verify-result": "towage.commands.verify_result",
     "report": "towage.commands.report",
     "check": "towage.commands.check",
     "validate": "towage.commands.validate",
@@ -30,10 +33,6 @@ COMMANDS = {
     "sweep": "towage.commands.sweep",
     "new": "towage.commands.new",
 }
-INTERRUPTED = 130
-"""128 + SIGINT, as shells have it."""
-BUG = 70
-"""EX_SOFTWARE of sysexits.h."""
 EXIT_CODES = """exit codes:
   0    done, whatever the verdict
   1    verify: a case is over its tolerance
@@ -73,11 +72,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return BUG
     return code
-
-
-def complain(message: str) -> None:
-    """An error on stderr."""
-    print(f"towage: error: {message}", file=sys.stderr, flush=True)
 
 
 def parser() -> argparse.ArgumentParser:

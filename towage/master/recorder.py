@@ -1,40 +1,27 @@
-"""What a run records: one row of doubles a communication point, kept in memory, and those that the scene records in a
-journal file, if wanted.
-
-A row of the journal is handed to the operating system at once (2 us), so that the journal is complete up to the point
-at which a process dies. Events go to a file beside it, one JSON object a line.
-"""
+"""What a run records: one row of doubles a communication point, kept in memory and in a journal, if one is wanted."""
 
 from __future__ import annotations
 
-import json
 from array import array
 from collections.abc import Sequence
-from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from towage.checks.track import Track
+from towage.result.journal import Journal
 from towage.result.result import Event
-
-EVENTS = ".events"
-"""Suffix of the file with the events of a journal."""
 
 
 class Recorder:
     """Rows of (time, values of all units in order). ``names`` are the columns as unit.variable; ``recorded`` tells of
     every row whether the scene records it, else it serves comparisons alone."""
 
-    def __init__(self, names: Sequence[str], journal: Path | None = None) -> None:
+    def __init__(self, names: Sequence[str], journal: Journal | None = None) -> None:
         self.names = list(names)
         self.data = array("d")
         self.recorded = array("b")
-        self._file = open(journal, "wb", buffering=0) if journal else None  # noqa: SIM115
-        self._events = journal.with_suffix(EVENTS) if journal else None
-        if self._file:
-            self._file.write(json.dumps(self.names).encode() + b"\n")
+        self.journal = journal
 
     def row(self, time: float, values: Sequence[Sequence[float]], recorded: bool = True) -> None:
         """Append a row."""
@@ -43,23 +30,18 @@ class Recorder:
         self.data.append(time)
         for part in values:
             self.data.extend(part)
-        if self._file and recorded:
-            try:
-                self._file.write(self.data[begin:])
-            except OSError:  # a full disk costs the journal, not the run
-                self.close()
+        if self.journal:
+            self.journal.row(self.data[begin:].tobytes(), recorded)
 
     def event(self, event: Event) -> None:
         """Keep an event in the journal."""
-        if self._events:
-            with suppress(OSError), open(self._events, "a", encoding="ascii") as file:
-                file.write(json.dumps(vars(event)) + "\n")
+        if self.journal:
+            self.journal.event(event)
 
     def close(self) -> None:
         """Close the journal."""
-        if self._file:
-            self._file.close()
-            self._file = None
+        if self.journal:
+            self.journal.close()
 
     def track(self) -> Track:
         """All rows."""
@@ -72,25 +54,6 @@ class Recorder:
         if kept.all():
             return time, dict(columns)
         return time[kept], {name: values[kept] for name, values in columns.items()}
-
-
-def read_journal(path: Path) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
-    """What a journal holds, whole rows only; nothing if it was never begun."""
-    try:
-        header, _, data = path.read_bytes().partition(b"\n")
-        names = json.loads(header)
-    except (OSError, ValueError):
-        return np.empty(0), {}
-    return _columns(np.frombuffer(data[: len(data) - len(data) % 8], dtype=np.float64), names)
-
-
-def read_events(path: Path) -> list[Event]:
-    """The events of a journal, whole lines only."""
-    try:
-        lines = path.with_suffix(EVENTS).read_text("ascii").splitlines(keepends=True)
-    except (OSError, ValueError):
-        return []
-    return [Event(**json.loads(line)) for line in lines if line.endswith("\n")]
 
 
 def _columns(data: NDArray[np.float64], names: list[str]) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:

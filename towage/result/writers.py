@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,3 +23,12 @@ class Writer:
 CSV = Writer("csv", "csv", Result.save_csv, "a column a variable, for spreadsheets")
 NPZ = Writer("npz", "npz", Result.save_npz, "everything, bit-exact, for towage report and numpy")
 MAT = Writer("mat", "mat", Result.save_mat, "MAT 5, for MATLAB and Octave")
+
+
+def write_files(result: Result, path: Path, writers: Sequence[Writer]) -> list[Path]:
+    """One file a writer; ``path`` has no suffix yet. Raises `TowageError`."""
+    files = []
+    for writer in writers:
+        files.append(path.with_name(f"{path.name}.{writer.suffix}"))
+        writer.write(result, files[-1])
+    return files

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from towage import reading
 from towage.errors import SceneError
 from towage.models.route.areas import Cells
 from towage.models.route.grid import Axis, GridField
@@ -32,6 +33,8 @@ NAMES = {
 }
 SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "m": 60.0, "min": 60.0, "minute": 60.0, "h": 3600.0, "hr": 3600.0,
            "hour": 3600.0, "d": 86400.0, "day": 86400.0}  # fmt: skip
+MOST_VALUES = 64_000_000
+"""Of a forecast, unpacked."""
 LARGEST = 500
 """Most nodes of the plane's grid along one axis."""
 
@@ -124,25 +127,26 @@ def _variables(path: Path) -> dict[str, tuple[Array, str]]:
         from scipy.io import netcdf_file
 
         try:
-            with netcdf_file(path, "r", mmap=False, maskandscale=True) as content:
+            with reading.foreign(path, "netCDF file"), netcdf_file(path, "r", mmap=False, maskandscale=True) as content:
                 for name, variable in content.variables.items():
                     unit: object = getattr(variable, "units", b"")
                     values: Array = np.ma.filled(np.ma.asarray(variable[:], dtype=float), math.nan)
                     variables[name] = values, unit.decode() if isinstance(unit, bytes) else str(unit)
-        except (ValueError, TypeError, IndexError, OSError) as error:
-            raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
+        except reading.Refused as refused:
+            raise SceneError(str(refused), file=path) from refused
         return variables
     try:
         import xarray  # type: ignore[import-not-found,unused-ignore]
     except ImportError:
         raise SceneError("is not a classic netCDF file; for netCDF 4: pip install xarray netCDF4", file=path) from None
     try:
-        with xarray.open_dataset(path, decode_times=False) as data:
+        with reading.foreign(path, "netCDF file"), xarray.open_dataset(path, decode_times=False) as data:
+            reading.limited(sum(column.size for column in data.variables.values()), MOST_VALUES, "values")
             for name, column in data.variables.items():
                 if np.issubdtype(column.dtype, np.number):
                     variables[str(name)] = np.asarray(column, dtype=float), str(column.attrs.get("units", ""))
-    except (ValueError, OSError) as error:
-        raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
+    except reading.Refused as refused:
+        raise SceneError(str(refused), file=path) from refused
     return variables
 
 
