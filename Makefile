@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
 
-.PHONY: run native test test-all faults lint bench docs wheel clean
+.PHONY: run native test test-all faults fuzz lint bench docs wheel clean
 run: $(VENV)/installed dist/built          ## build the FMUs, run the Sea Cliff scene, write out/sea_cliff/report.html
 	$(BIN)/towage run sea_cliff --fmus dist
 
@@ -22,6 +22,9 @@ test-all: $(VENV)/installed-test dist/built ## every test
 
 faults: $(VENV)/installed-test             ## inject every known fault; the table quoted in docs/faults.md
 	$(BIN)/python -m tests.faults.table
+
+fuzz: $(VENV)/installed-test               ## mutated inputs at every door for an hour; SEED=n, SECONDS=n
+	$(BIN)/python -m tests.faults.fuzz --seconds $(or $(SECONDS),3600) --seed $(or $(SEED),1)
 
 bench: $(VENV)/installed-bench             ## all benchmarks in one run -> docs/benchmarks.json and its page
 	$(BIN)/python benchmarks/run_all.py

@@ -147,7 +147,7 @@ def test_help_names_every_command_and_gives_examples(capsys: pytest.CaptureFixtu
         call("--help")
     top = capsys.readouterr().out
     for name in cli.COMMANDS:
-        assert re.search(rf"^    {name} +\w", top, re.MULTILINE)
+        assert re.search(rf"^    {name}\s+\w", top, re.MULTILINE)
         with pytest.raises(SystemExit) as stop:
             call(name, "--help")
         assert stop.value.code == 0

@@ -166,19 +166,20 @@ def fuzz(seconds: float, count: int, seed: int, names: list[str]) -> int:
         chosen = [door for door in doors(folder) if not names or door.name in names]
         totals: dict[str, Counter[str]] = {door.name: Counter() for door in chosen}
         peaks = dict.fromkeys(totals, 0)
+        size = max(1, min(BATCH, count // len(chosen)))
         until, done, begin = time.monotonic() + seconds, 0, 0
         while time.monotonic() < until and done < count:
             for door in chosen:
                 place = folder / "batch"
                 place.mkdir()
-                counts, peak = batch(door, seed, begin, min(BATCH, count), place)
+                counts, peak = batch(door, seed, begin, size, place)
                 shutil.rmtree(place)
                 totals[door.name] += counts
                 peaks[door.name] = max(peaks[door.name], peak)
                 done += sum(counts.values())
                 if time.monotonic() > until or done >= count:
                     break
-            begin += BATCH
+            begin += size
         print(
             f"{done} inputs, seed {seed}\n\n| door | taken | refused | failed | most memory, MB |\n|---|---|---|---|---|"
         )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from towage import reading
+from towage.terminal import tell
 
 if TYPE_CHECKING:
     from towage.process.overseer import Limits
@@ -168,8 +168,4 @@ def resolved(chosen: list[Scene], arguments: argparse.Namespace) -> list[Resolve
     `FmuError`."""
     from towage.scene.flavour import resolve
 
-    return [resolve(scene, arguments.fmus, arguments.flavour, _tell) for scene in chosen]
-
-
-def _tell(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    return [resolve(scene, arguments.fmus, arguments.flavour, tell) for scene in chosen]

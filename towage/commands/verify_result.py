@@ -27,19 +27,18 @@ def execute(arguments: argparse.Namespace) -> int:
     """0, or 1 where something differs. Raises `FileError` for a file that is damaged or no result."""
     from towage.process.verified import compared, inputs
     from towage.result.result import Result
-    from towage.terminal import escaped
 
     result = Result.load_npz(arguments.file)
     print(f"{arguments.file}: {len(result.columns)} columns of {len(result.time)} rows; the checksum fits")
     resolved, differ = inputs(result, arguments.fmus)
     for line in differ:
-        print(escaped(f"  differs  {line}", ""))
+        print(f"  differs  {line}")
     if not differ:
         print(f"  the scene, {len(resolved.units)} FMUs, versions and machine are here as they were")
     if arguments.again:
         changed = compared(result, resolved)
         for line in changed:
-            print(escaped(f"  differs  {line}", ""))
+            print(f"  differs  {line}")
         differ += changed
         if not changed:
             print("  computed again: every number is the same to the last bit")

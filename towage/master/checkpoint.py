@@ -92,7 +92,8 @@ def frozen(simulation: Simulation) -> dict[str, Any]:
 def thaw(simulation: Simulation, data: dict[str, Any], kept: Kept) -> None:
     """Go on from where the checkpoint was taken; ``kept``: what the journal holds up to there. Raises `RunError` where it is
     not one of this system."""
-    system, run, recorder = simulation.system, simulation.run, simulation.recorder
+    system, run = simulation.system, simulation.run
+    _thaw_recorder(simulation.recorder, kept)  # first: it is kept even if the rest does not fit
     try:
         for unit, said in zip(system.units, data["units"], strict=True):
             unit.thaw(base64.b64decode(said["state"]), data["simulation"]["time"])
@@ -113,7 +114,6 @@ def thaw(simulation: Simulation, data: dict[str, Any], kept: Kept) -> None:
     except (KeyError, ValueError, TypeError) as error:
         raise RunError(f"the checkpoint is of another system: {error}") from error
     run.events += [Event(**vars(event)) for event in kept.events]
-    _thaw_recorder(recorder, kept)
 
 
 def _thaw_system(system: System, said: dict[str, Any]) -> None:

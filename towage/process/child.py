@@ -23,6 +23,7 @@ from typing import IO, Any, Self
 
 from towage.process import stop
 from towage.process.overseer import Limits
+from towage.terminal import escaped
 
 POLL = 0.1
 """Longest wait for a line before the child is looked at, s."""
@@ -187,7 +188,7 @@ def converse(
     except Died as death:
         death.printed = child.printed.strip()
         raise
-    sys.stderr.write(child.printed)
+    sys.stderr.write(escaped(child.printed))
     return answer
 
 

@@ -43,7 +43,7 @@ def oversee(life: int, limits: Limits) -> None:
         os.close(life)
         os.setpgid(0, 0)
         _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        _limit(limits)
+        limit(limits)
         return
     code = 1
     try:
@@ -120,7 +120,7 @@ def _end_as(status: int) -> None:
     os._exit(128 + number)
 
 
-def _limit(limits: Limits) -> None:
+def limit(limits: Limits) -> None:
     """Set what may be used up from here on."""
     import resource
 

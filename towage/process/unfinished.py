@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from towage.result.result import Result
 from towage.result.writers import Writer, write_files
 from towage.scene.provenance import differences, provenance
 from towage.scene.resolve import ResolvedScene
+from towage.terminal import tell
 
 SUFFIX = ".unfinished"
 SHOWN = 8
@@ -46,7 +46,7 @@ def unfinished(out: Path, name: str) -> Iterator[Folder]:
     try:
         place.mkdir(exist_ok=True)
     except OSError as error:
-        print(f"no journal in {out}: {reason(error)}; it is kept among temporary files", file=sys.stderr)
+        tell(f"no journal in {out}: {reason(error)}; it is kept among temporary files")
         yield Folder(None)
         return
     folder = Folder(place)
@@ -57,7 +57,7 @@ def unfinished(out: Path, name: str) -> Iterator[Folder]:
         if folder.done:
             shutil.rmtree(place, ignore_errors=True)
         else:
-            print(f"the journal of the run is left in {place}: towage recover {place}", file=sys.stderr)
+            tell(f"the journal of the run is left in {place}: towage recover {place}")
 
 
 def left(directory: Path) -> list[Path]:
@@ -111,17 +111,18 @@ def can_resume(folder: Path, resolved: ResolvedScene) -> bool:
     try:
         kept = read_at(folder / JOURNAL)
     except TowageError:
-        print(f"{folder} holds no row: the run begins anew", file=sys.stderr)
+        tell(f"{folder} holds no row: the run begins anew")
         return False
     if differ := differences(kept.about.get("provenance"), json.loads(json.dumps(provenance(resolved)))):
         more = [f"and {len(differ) - SHOWN} more"] if len(differ) > SHOWN else []
         raise resolved.scene.error(
-            "\n  ".join([f"{folder} is of another run:", *differ[:SHOWN], *more, "leave --resume out, and it is kept as it is"]),
+            "\n  ".join(
+                [f"{folder} is of another run:", *differ[:SHOWN], *more, "leave --resume out, and it is kept as it is"]
+            ),
             "--resume",
         )
     if not (folder / JOURNAL).with_suffix(CHECKPOINT).exists():
-        print(f"{folder} has no checkpoint, which takes units that can serialise their state: the run begins anew",
-              file=sys.stderr)  # fmt: skip
+        tell(f"{folder} has no checkpoint, which takes units that can serialise their state: the run begins anew")
         return False
     return True
 

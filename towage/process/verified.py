@@ -26,12 +26,16 @@ def inputs(result: Result, fmus: Path | None = None) -> tuple[ResolvedScene, lis
         scene = Scene.from_dict(said["scene"] | {"cases": ()}, Path(said["file"]) if said["file"] else None)
         named: dict[str, Any] = said["fmus"]
     except (KeyError, TypeError, AttributeError) as error:
-        raise FileError(f"the result does not name its inputs ({error}): it is of an older version, or was cut") from error
+        raise FileError(
+            f"the result does not name its inputs ({error}): it is of an older version, or was cut"
+        ) from error
     flavour: Flavour = "auto" if "native" in result.flavours.values() else "python"
     resolved = resolve(scene, fmus, flavour)
     now = json.loads(json.dumps(provenance(resolved)))
     kept = ("fmus", "versions", "machine")  # of the rest the scene here was made
-    return resolved, differences({key: ({**said, "fmus": named}).get(key) for key in kept}, {key: now[key] for key in kept})
+    return resolved, differences(
+        {key: ({**said, "fmus": named}).get(key) for key in kept}, {key: now[key] for key in kept}
+    )
 
 
 def compared(result: Result, resolved: ResolvedScene) -> list[str]:

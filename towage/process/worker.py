@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import functools
 import io
 import math
 import os
@@ -32,6 +33,7 @@ from towage.scene.resolve import ResolvedScene
 
 if TYPE_CHECKING:
     from towage.result.result import Result
+    from towage.units.fmu import UnitFactory
 
 
 JOURNAL, RESULT = "journal", "result.npz"
@@ -39,12 +41,15 @@ JOURNAL, RESULT = "journal", "result.npz"
 
 
 class Request(NamedTuple):
-    """What the child is to do; ``task`` is "run" or "check"; ``resume``: go on from the checkpoint in the directory."""
+    """What the child is to do; ``task`` is "run" or "check"; ``resume``: go on from the checkpoint in the directory;
+    ``isolate``: a process a unit, within ``limits``."""
 
     task: str
     resolved: ResolvedScene
     directory: Path
     resume: bool = False
+    isolate: bool = False
+    limits: Limits = NO_LIMITS
 
 
 class Ended(BaseException):
@@ -70,14 +75,16 @@ def run_isolated(
     folder: Path | None = None,
     limits: Limits = NO_LIMITS,
     resume: bool = False,
+    a_process_a_unit: bool = False,
 ) -> Result:
     """What ``run_resolved(resolved, report)`` returns, computed in another process.
 
     ``folder``: where the run keeps its journal, one that the caller made and removes once the result is kept; None: a
-    temporary one; ``resume``: go on from the checkpoint in it. A crash, an exit, a lack of memory or ``timeout`` s without
-    progress (the time simulated does not move on) give a result with status "failed" that holds what was recorded; so does
-    an error after the first row. Raises what `run_resolved` raises before it, `Interrupted` on Ctrl-C and the signals of
-    `towage.process.stop`, and `Defect`.
+    temporary one; ``resume``: go on from the checkpoint in it; ``a_process_a_unit``: see `towage.process.isolated`.
+
+    A crash, an exit, a lack of memory or ``timeout`` s without progress (the time simulated does not move on) give a result
+    with status "failed" that holds what was recorded; so does an error after the first row. Raises what `run_resolved`
+    raises before it, `Interrupted` on Ctrl-C and the signals of `towage.process.stop`, and `Defect`.
     """
     from towage.result.result import Result
 
@@ -87,7 +94,7 @@ def run_isolated(
         journal = stack.enter_context(open(directory / JOURNAL, mode))
         kind: type[Ended] | None = None
         try:
-            done = _ask(Request("run", resolved, directory.absolute(), resume), report, timeout, limits)
+            done = _ask(Request("run", resolved, directory.absolute(), resume, a_process_a_unit, limits), report, timeout, limits)
             return Result.load_npz(io.BytesIO(base64.b64decode(done)) if done else directory / RESULT)
         except Died as death:
             message = str(named(death, directory))
@@ -205,7 +212,11 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
         from towage.master.master import check_resolved, run_resolved
 
         report(0.0, "initialisation")
-        make_unit = Mark(request.directory / "mark").unit
+        make_unit: UnitFactory = Mark(request.directory / "mark").unit
+        if request.isolate:
+            from towage.process.isolated import Remote
+
+            make_unit = functools.partial(Remote, Mark(request.directory / "mark").note, request.limits)
         if request.task == "check":
             return {"done": [vars(finding) for finding in check_resolved(request.resolved, make_unit)]}
         result = run_resolved(request.resolved, report, request.directory / JOURNAL, make_unit, request.resume)
