@@ -72,9 +72,11 @@ class Journal:
     def _put(self, data: bytes) -> None:
         """Hand to the operating system; a frame that is cut would make the rest unreadable, so that it is the last."""
         if self._file:
-            with suppress(OSError):
+            try:
                 if self._file.write(data) == len(data):
                     return
+            except OSError:
+                pass
             self.close()
 
     def close(self) -> None:

@@ -25,9 +25,20 @@ def provenance(resolved: ResolvedScene) -> dict[str, Any]:
         "scene": scene.to_dict(),
         "case": scene.chosen,
         "file": str(scene.file.absolute()) if scene.file else "",
-        "fmus": {name: {"file": unit.path.name, "sha256": reading.digest(unit.path)} for name, unit in resolved.units.items()},
+        "fmus": {name: {"file": unit.path.name, "sha256": digest(unit.path)} for name, unit in resolved.units.items()},
         **surroundings(),
     }
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of an FMU; one that does not change is read once a process, because every run of a sweep asks."""
+    status = path.stat()
+    return _digest(path, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=64)
+def _digest(path: Path, *stamp: int) -> str:
+    return reading.digest(path)
 
 
 @functools.cache
