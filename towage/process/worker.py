@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 JOURNAL, RESULT = "journal", "result.npz"
 """Files in the folder of a run."""
+LARGE = 16 << 20
+"""Bytes of a result that does not go through the pipe where it can be left on the disk."""
 
 
 class Request(NamedTuple):
@@ -193,15 +195,18 @@ def watch(directory: Path) -> None:
 
 
 def _handed_over(result: Result, path: Path) -> str:
-    """Leave the result at ``path``; where that fails, whatever a unit did to this process or to the disk, its bytes go
-    through the pipe: "" or the file in base64."""
-    try:
+    """Leave the result at ``path``; its bytes go through the pipe too unless it is large, so that it arrives whatever a unit
+    did to this process, or anybody to the disk: the file in base64, or ""."""
+    left = False
+    with contextlib.suppress(errors.TowageError, OSError, MemoryError):
         result.save_npz(path)
+        left = True
+    arrays = (result.time, result.step_sizes, *result.columns.values(), *result.one_way.values())
+    if left and sum(values.nbytes for values in arrays) > LARGE:
         return ""
-    except (errors.TowageError, OSError, MemoryError):
-        stream = io.BytesIO()
-        result.save_npz(stream)
-        return base64.b64encode(stream.getvalue()).decode()
+    stream = io.BytesIO()
+    result.save_npz(stream)
+    return base64.b64encode(stream.getvalue()).decode()
 
 
 def _serve(request: Request, report: Report) -> dict[str, Any]:
