@@ -27,6 +27,7 @@ from towage.process.child import Died, Hung, converse
 from towage.process.overseer import Limits
 from towage.process.unfinished import left, unfinished
 from towage.process.worker import run_isolated
+from towage.result.journal import read_at
 from towage.result.result import Result
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
@@ -90,7 +91,10 @@ def test_checkpoints_that_do_not_fit_are_refused(tmp_path: Path, monkeypatch: py
     assert result.status == "failed" and "of another system" in result.message
     assert len(result.time)  # and what was recorded stays
     kept.write_bytes(kept.read_bytes()[:-40])  # torn: as if there were none
-    assert run_resolved(resolved, None, journal, resume=True).status == "done"
+    again = run_resolved(resolved, None, journal, resume=True)
+    held = read_at(journal)
+    assert again.status == "done" and held.lost == 0
+    assert held.columns()[0].tobytes() == again.time.tobytes()
 
 
 # ---- the commands -------------------------------------------------------------------------------------------------------

@@ -215,7 +215,8 @@ def _coupled_run(
     if journal and found:
         recorder.journal, kept = reopened(journal, recorder.names, found)
         begin_at = functools.partial(thaw, data=found, kept=kept)
-    elif journal:
+    elif journal and keeper:
+        keeper.path.unlink(missing_ok=True)  # one that is left is of the journal that ends here
         recorder.journal = Journal(journal, recorder.names, result.metadata())
     try:
         report = stages.progress(MAIN, settings.stop_time)

@@ -39,7 +39,7 @@ class Journal:
 
     def __init__(self, path: Path, names: Sequence[str], about: Mapping[str, Any] | None = None) -> None:
         self._waiting = bytearray()
-        self._file: IO[bytes] | None = open(path, "ab", buffering=0)  # noqa: SIM115
+        self._file: IO[bytes] | None = open(path, "ab" if about is None else "wb", buffering=0)  # noqa: SIM115
         if about is not None:
             self._put(sealed({"journal": FORMAT, "names": list(names), "about": about}))
 
