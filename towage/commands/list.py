@@ -25,7 +25,9 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.json:
         document = {
             "scenes": [{"name": name, "title": title} for name, title in scenes.items()],
-            "units": [{"name": u.name, "description": u.description, "native": not u.not_native} for u in declared],
+            "units": [
+                {"name": u.name, "description": u.description, "native": not u.not_native} for u in declared
+            ],
         }
         print(json.dumps(document, indent=2))
         return 0

@@ -94,7 +94,7 @@ VALUE = Model(
 )  # fmt: skip
 '''
 """The text of a model. ``MODELS`` stands for the package of the models as the text must name it."""
-UNIT = 'UNIT = Unit.of(VALUE, start={"displacement_start": 0.1}, inputs={"force": (500.0, 1.3)})\n'
+UNIT = "UNIT = Unit.of(VALUE, start={\"displacement_start\": 0.1}, inputs={\"force\": (500.0, 1.3)})\n"
 """The declaration: the model, and the run of the reference result in the FMU (amplitude and frequency, rad/s, of inputs)."""
 DECLARATION = '''"""Unit `NAME`: the model, with its reference run."""
 
@@ -150,9 +150,7 @@ def execute(arguments: argparse.Namespace) -> int:
 def in_checkout(name: str, root: Path) -> dict[Path, str]:
     """The files of a unit in a checkout, with their text: model, declaration, and the list of units with its name."""
     units = root / "fmus" / "__init__.py"
-    listed = re.sub(
-        r"^(UNITS = \(.*?)\)$", rf'\1,\n         "{name}")', units.read_text("utf-8"), count=1, flags=re.M | re.S
-    )
+    listed = re.sub(r"^(UNITS = \(.*?)\)$", rf'\1,\n         "{name}")', units.read_text("utf-8"), count=1, flags=re.M | re.S)
     return {
         root / "models" / f"{name}.py": _filled(MODEL, name, "."),
         root / "fmus" / f"{name}.py": _filled(DECLARATION + UNIT, name),
@@ -196,9 +194,7 @@ def write(name: str, files: dict[Path, str]) -> None:
 def _checkout(here: Path) -> Path | None:
     """The checkout of towage that ``here`` lies in, if it does."""
     folders = (here.resolve(), *here.resolve().parents)
-    return next(
-        (f for f in folders if (f / "build_fmus.py").is_file() and (f / "fmus" / "__init__.py").is_file()), None
-    )
+    return next((f for f in folders if (f / "build_fmus.py").is_file() and (f / "fmus" / "__init__.py").is_file()), None)
 
 
 def _filled(text: str, name: str, models: str = "") -> str:

@@ -10,15 +10,9 @@ HELP = "compare several runs in one report"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of ``towage report``."""
+    parser.add_argument("runs", metavar="RUN", nargs="+", help="an npz file of towage run, or the directory of its files")
     parser.add_argument(
-        "runs", metavar="RUN", nargs="+", help="an npz file of towage run, or the directory of its files"
-    )
-    parser.add_argument(
-        "--out",
-        metavar="FILE",
-        type=Path,
-        default=Path("comparison.html"),
-        help="the report (default: comparison.html)",
+        "--out", metavar="FILE", type=Path, default=Path("comparison.html"), help="the report (default: comparison.html)"
     )
     parser.epilog = (
         "Differences are those against the first run.\n\n"

@@ -17,9 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     common.add_one_scene(parser)
     parser.add_argument("--from", metavar="HZ", dest="first", type=_hertz, default=0.02, help="lowest frequency (0.02)")
     parser.add_argument("--to", metavar="HZ", dest="last", type=_hertz, default=1.0, help="highest frequency (1)")
-    parser.add_argument(
-        "--points", metavar="N", type=common.points, default=40, help="number of frequencies (default: 40)"
-    )
+    parser.add_argument("--points", metavar="N", type=common.points, default=40, help="number of frequencies (default: 40)")
     parser.add_argument("--out", metavar="DIR", type=Path, help="where the files go (default: out/<scene>)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.epilog = (
