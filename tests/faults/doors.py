@@ -29,7 +29,7 @@ from towage.units.archive import extract, read_description
 from towage.units.fmu import Unit
 from towage.units.store import locator
 from towage.units.wiring import Wanted
-from towage.verify.verify import verify
+from towage.verify.verify import cases
 
 SCENES = ("slack", "docking", "sea_cliff")
 ROUTE = """title = "Forecast"
@@ -72,7 +72,7 @@ def doors(folder: Path, door: Callable[[str, str, list[bytes], Callable[[Path], 
         door("journal", ".journal", [journal.read_bytes()], lambda path: text_summary(recovered(read_at(path), ""))),
         door("about", ".json", [json.dumps(_result().metadata()).encode()], _about),
         door("sweep", ".jsonl", [sweep.read_bytes()], _sweep),
-        door("reference", ".json", [reference.encode()], verify),
+        door("reference", ".json", [reference.encode()], cases),
         door("forecast", ".nc", [_forecast(folder / "seed.nc")], _route_over),
         door("state", ".state", _states(), _state),
     ]

@@ -140,6 +140,7 @@ def batch(door: Door, seed: int, begin: int, count: int, folder: Path) -> tuple[
         counts: dict[str, int] = {}
         for number in range(begin, begin + count):
             os.write(writing, f"{number}\n".encode())
+            resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time() + 3.0 * LONGEST), resource.RLIM_INFINITY))
             word = one(door, seed, number, folder)
             key = word if word in ("taken", "refused") else f"{word} [--only {door.name}:{seed}:{number}]"
             counts[key] = counts.get(key, 0) + 1

@@ -31,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a range of unit.parameter or of a key such as coupling.step; all combinations are run (may be repeated)",
     )
     parser.add_argument("--sobol", action="store_true", help="a scrambled Sobol sequence in place of a grid")
-    parser.add_argument(
-        "--samples", metavar="N", type=common.positive, help="points of the sequence; best a power of 2"
-    )
+    parser.add_argument("--samples", metavar="N", type=common.positive, help="points of the sequence; best a power of 2")
     parser.add_argument(
         "--seed", metavar="N", type=_seed, default=0, help="of the scrambling and the sample (default: 0)"
     )
@@ -58,9 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="points of an ensemble, drawn with --seed, that are computed again by the FMU path (default: 3)",
     )
     parser.add_argument("--out", metavar="DIR", type=Path, help="where the files go (default: out/<scene>_sweep)")
-    parser.add_argument(
-        "--workers", metavar="N", type=common.positive, help="processes or threads (default: one a processor)"
-    )
+    parser.add_argument("--workers", metavar="N", type=common.positive, help="processes or threads (default: one a processor)")
     parser.add_argument("--dask", metavar="ADDRESS", help="run on the dask.distributed cluster with this scheduler")
     parser.add_argument("--resume", action="store_true", help="do what is missing of the sweep in --out")
     parser.add_argument("--json", action="store_true", help="print the counts as one JSON document")

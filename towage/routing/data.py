@@ -35,6 +35,8 @@ SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "m": 60.0, "min": 60.0, "minute"
            "hour": 3600.0, "d": 86400.0, "day": 86400.0}  # fmt: skip
 MOST_VALUES = 64_000_000
 """Of a forecast, unpacked."""
+FARTHEST = 1e12
+"""Of a place or time, in degrees, m or s."""
 LARGEST = 500
 """Most nodes of the plane's grid along one axis."""
 
@@ -176,6 +178,8 @@ def _seconds(values: Array, unit: str, departure: datetime.datetime | None, path
 def _axis(values: Array, name: str, path: Path) -> Axis:
     """Ascending regular axis of given places."""
     v = np.sort(np.asarray(values, dtype=float).ravel())
+    if not len(v) or not np.max(np.abs(v)) <= FARTHEST:
+        raise SceneError(f"{name} has no values, or some that are no numbers below {FARTHEST:g}", file=path, key=name)
     if len(v) == 1:
         return Axis(float(v[0]), 1.0, 1)
     steps = np.diff(v)

@@ -56,16 +56,21 @@ def verify(path: Path | None = None) -> list[CaseResult]:
     """Every case of ``path``, or of the project's own copies. Raises `SceneError` for a file that cannot be
     read or holds no cases."""
     if path is not None:
-        try:
-            text = reading.content(path, reading.MAX_JSON).decode()
-        except (OSError, UnicodeDecodeError, reading.Refused) as error:
-            raise SceneError(f"cannot be read as text: {error}", file=Path(path)) from error
-        return [check(case) for case in _cases(text, Path(path))]
+        return [check(case) for case in cases(Path(path))]
     results = []
     for name in OWN_FILES:
         text = (files("towage") / "reference" / name).read_text(encoding="utf-8")
         results += [check(case) for case in _cases(text, Path(name))]
     return results
+
+
+def cases(path: Path) -> list[Mapping[str, Any]]:
+    """The cases of a file, as they stand there. Raises `SceneError` for a file that cannot be read or holds no cases."""
+    try:
+        text = reading.content(path, reading.MAX_JSON).decode()
+    except (OSError, UnicodeDecodeError, reading.Refused) as error:
+        raise SceneError(f"cannot be read as text: {error}", file=path) from error
+    return _cases(text, path)
 
 
 def _cases(text: str, file: Path) -> list[Mapping[str, Any]]:
