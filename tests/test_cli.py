@@ -147,7 +147,7 @@ def test_help_names_every_command_and_gives_examples(capsys: pytest.CaptureFixtu
         call("--help")
     top = capsys.readouterr().out
     for name in cli.COMMANDS:
-        assert re.search(rf"^    {name} +\w", top, re.MULTILINE)
+        assert re.search(rf"^    {name}\s+\w", top, re.MULTILINE)
         with pytest.raises(SystemExit) as stop:
             call(name, "--help")
         assert stop.value.code == 0
@@ -407,7 +407,7 @@ def test_interrupted_run_keeps_its_record(stop: signal.Signals, bad: Path, tmp_p
     assert "Bad, slow: failed" in out
     result = Result.load_npz(tmp_path / "o" / "slow.npz")
     assert 0.5 <= result.time[-1] < 60.0
-    assert result.message.startswith("interrupted; the record ends at t = ")
+    assert result.message.startswith(f"interrupted by {signal.Signals(stop).name}; the record ends at t = ")
     assert Result.load_npz(tmp_path / "o" / "good.npz").status == "done"
     assert "slow" in (tmp_path / "o" / "report.html").read_text("utf-8")
 

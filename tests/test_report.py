@@ -14,7 +14,7 @@ import pytest
 from matplotlib.image import imread
 
 from towage.cli import main
-from towage.errors import TowageError
+from towage.errors import FileError, TowageError
 from towage.report.compare import common, difference, runs_of, write_comparison
 from towage.report.format import number, percent, quantity
 from towage.report.page import text_summary, write_report
@@ -314,9 +314,9 @@ def test_differences_are_those_of_the_curves():
 
 def test_report_command_names_what_is_not_a_result(tmp_path, capsys):
     (tmp_path / "table.npz").write_text("no")
-    assert main(["report", str(tmp_path)]) == TowageError.exit_code
+    assert main(["report", str(tmp_path)]) == FileError.exit_code
     assert "table.npz is not a result of towage" in capsys.readouterr().err
-    assert main(["report", str(tmp_path / "absent.npz")]) == TowageError.exit_code
+    assert main(["report", str(tmp_path / "absent.npz")]) == FileError.exit_code
     cradle().save_npz(tmp_path / "table.npz")
     assert main(["report", str(tmp_path), "--out", str(tmp_path / "one.html")]) == 0
     check_self_contained(tmp_path / "one.html")

@@ -10,6 +10,7 @@ import csv
 import json
 import math
 import os
+import random
 import re
 import signal
 import subprocess
@@ -29,6 +30,7 @@ from tests.held_clock import ANNOUNCE, HUNG, hold
 from towage import cli
 from towage.ensemble.ensemble import Ensemble
 from towage.errors import SceneError, TowageError
+from towage.files import sealed
 from towage.fmus.native.compiler import CompileError, compiler, host
 from towage.master.master import Master
 from towage.scene.scene import Scene
@@ -305,7 +307,38 @@ def test_journal_torn_in_its_first_line_begins_anew(tmp_path: Path) -> None:
     (tmp_path / JOURNAL).write_bytes(b'{"sweep": {"a')
     with Journal(tmp_path / JOURNAL, {"a": 1}, True) as journal:
         assert journal.rows == {}
-    assert (tmp_path / JOURNAL).read_bytes() == b'{"sweep": {"a": 1}}\n'
+    assert (tmp_path / JOURNAL).read_bytes() == sealed({"sweep": {"a": 1}})
+
+
+def test_no_flipped_bit_is_taken_for_a_number(tmp_path: Path) -> None:
+    """Every row that is read is one that was written; a flip is refused with its line, or cuts the last line off."""
+    path, chance = tmp_path / JOURNAL, random.Random(18)
+    rows = {k: Row(k, "done", measures={"x": k / 3}) for k in range(20)}
+    with Journal(path, {"a": 1}, False) as journal:
+        for row in rows.values():
+            journal.append(row)
+    whole, accepted = path.read_bytes(), 0
+    for _ in range(500):
+        damaged = bytearray(whole)
+        damaged[chance.randrange(len(whole))] ^= 1 << chance.randrange(8)
+        path.write_bytes(damaged)
+        try:
+            with Journal(path, {"a": 1}, True) as journal:
+                assert journal.rows.items() <= rows.items()
+                accepted += 1
+        except JournalError as error:
+            assert "line" in str(error)
+    assert accepted < 10  # in the last line's end
+
+
+@pytest.mark.parametrize(
+    "fields", [{"index": 7}, {"index": -1}, {"index": "0"}, {"status": "well"}, {"measures": {"x": "1"}}, {"measures": 3}]
+)
+def test_rows_that_cannot_be_of_the_sweep_are_refused(tmp_path: Path, fields: dict[str, object]) -> None:
+    path = tmp_path / JOURNAL
+    path.write_bytes(sealed({"sweep": {"a": 1}}) + sealed({**vars(Row(0, "done")), **fields}))
+    with pytest.raises(JournalError, match="line 2 is damaged"), Journal(path, {"a": 1}, True, 7):
+        pass
 
 
 def test_journals_that_are_refused(tmp_path: Path) -> None:

@@ -19,12 +19,13 @@ import pytest
 from msgspec.structs import replace
 
 from tests.held_clock import ANNOUNCE, HUNG, HeldClock, hold
-from towage.errors import FmuError, RunError, SceneError
+from towage.errors import FmuError, RunError, SceneError, TowageError
 from towage.master.master import Master
-from towage.master.recorder import Recorder, read_journal
+from towage.master.recorder import Recorder
 from towage.process import child, worker
 from towage.process.child import POLL, Died, converse
 from towage.process.worker import check_isolated, run_isolated
+from towage.result.journal import Journal, read, read_at
 from towage.result.result import Event, Result
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene, UnitEntry
@@ -377,17 +378,34 @@ class MovedOnceHeard(child.Clock):
 
 
 def test_journal_holds_every_row_at_once(tmp_path: Path) -> None:
-    recorder = Recorder(["a.x", "a.y"], tmp_path / "journal")
+    names, path = ["a.x", "a.y"], tmp_path / "journal"
+    recorder = Recorder(names, Journal(path, names, {"title": "five rows"}))
     for k in range(5):
-        recorder.row(0.1 * k, [[float(k), math.pi]])
-    times, columns = read_journal(tmp_path / "journal")  # not closed
+        recorder.row(0.1 * k, [[float(k), math.pi]], recorded=k != 2)
+    recorder.event(Event(0.4, "a", "slack", -1))
+    kept = read_at(path)  # not closed
+    assert (kept.about, kept.names, kept.lost) == ({"title": "five rows"}, names, 0)
+    times, columns = kept.columns()
     assert times.tobytes() == recorder.columns()[0].tobytes()
-    assert columns["a.x"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert columns["a.x"].tolist() == [0.0, 1.0, 3.0, 4.0]
+    assert kept.events == [Event(0.4, "a", "slack", -1)]
     recorder.close()
-    with open(tmp_path / "journal", "r+b") as file:
-        file.truncate(file.seek(0, 2) - 11)
-    assert len(read_journal(tmp_path / "journal")[0]) == 4
-    assert read_journal(tmp_path / "none")[1] == {}
+    whole = path.read_bytes()
+    assert recorder.data.tobytes() == kept.rows.tobytes()
+    first = whole.index(b"\n") + 1
+    for torn in (whole[:-3], whole[: -len(whole) // 3], whole[: first + 5], whole[: first - 3], b""):
+        path.write_bytes(torn)
+        with open(path, "rb") as file:
+            found = read(file)
+        assert (found is None) == (len(torn) < first)
+        if found:
+            assert found.rows.tobytes() == recorder.data.tobytes()[: found.rows.nbytes]
+    flipped = bytearray(whole)
+    flipped[first + 29 + 12] ^= 1  # in the second row
+    path.write_bytes(flipped)
+    assert len(read_at(path).rows) == 1
+    with pytest.raises(TowageError, match="none"):
+        read_at(tmp_path / "none")
 
 
 def becomes_true(condition: Callable[[], bool], what: str) -> None:

@@ -7,6 +7,7 @@ import, since ``towage --help`` imports all of them, and imports what is heavy w
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import io
 import os
@@ -14,10 +15,14 @@ import sys
 from collections.abc import Sequence
 
 from towage import __version__
-from towage.errors import TowageError
+from towage.errors import FileError, TowageError
+from towage.files import reason
+from towage.terminal import BUG, INTERRUPTED, Plain, complain
 
 COMMANDS = {
     "run": "towage.commands.run",
+    "recover": "towage.commands.recover",
+    "verify-result": "towage.commands.verify_result",
     "report": "towage.commands.report",
     "check": "towage.commands.check",
     "validate": "towage.commands.validate",
@@ -31,10 +36,6 @@ COMMANDS = {
     "simplest": "towage.commands.simplest",
     "new": "towage.commands.new",
 }
-INTERRUPTED = 130
-"""128 + SIGINT, as shells have it."""
-BUG = 70
-"""EX_SOFTWARE of sysexits.h."""
 EXIT_CODES = """exit codes:
   0    done, whatever the verdict
   1    verify: a case is over its tolerance
@@ -48,9 +49,15 @@ EXIT_CODES = """exit codes:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command in ``arguments`` (default: the process's own) and return its exit code."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a title must not end a run on an ASCII terminal
+    if sys.stderr is None:  # closed by who started this process
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+    if sys.stdout is None:
+        complain("standard output is closed: give it a file or a terminal, or /dev/null")
+        return FileError.exit_code
+    if isinstance(sys.stderr, io.TextIOWrapper):  # a title must not end a run on an ASCII terminal
+        sys.stderr.reconfigure(errors="backslashreplace")
+    if type(sys.stdout) is io.TextIOWrapper:
+        sys.stdout = Plain.of(sys.stdout)
     parsed = parser().parse_args(arguments)
     try:
         code: int = parsed.execute(parsed)
@@ -61,9 +68,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         complain("interrupted")
         return INTERRUPTED
-    except BrokenPipeError:  # the reader of stdout, as head, had enough; keep the interpreter from flushing again
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # the reader of stdout, as head, had enough
+        _no_more_output()
         return 1
+    except OSError as error:  # of the machine, not of towage
+        complain(f"{error.filename or 'standard output'}: {reason(error)}")
+        _no_more_output()
+        return FileError.exit_code
     except Exception as error:
         import traceback
 
@@ -76,9 +87,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
-def complain(message: str) -> None:
-    """An error on stderr."""
-    print(f"towage: error: {message}", file=sys.stderr, flush=True)
+def _no_more_output() -> None:
+    """Keep the interpreter from flushing a stream that cannot be written."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def parser() -> argparse.ArgumentParser:

@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+LONGEST_WORD = 200
+"""Letters of a word for which others are looked up."""
+
 
 def suggest(word: str, known: Iterable[str]) -> str:
     """The question "did you mean", with names in ``known`` that are like ``word``; empty if none is."""
     import difflib  # takes 3 ms, and is needed for messages only
 
+    if len(word) > LONGEST_WORD:  # which takes the square of its length
+        return ""
     close = difflib.get_close_matches(word, list(known), n=2, cutoff=0.6)
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
@@ -57,6 +62,12 @@ class FmuError(TowageError):
 
     def _where(self) -> str:
         return ": ".join(part for part in (str(self.file or ""), self.entry) if part)
+
+
+class FileError(TowageError):
+    """A file, as of results, that is given and cannot be read; its message begins with the file."""
+
+    exit_code = 2
 
 
 class RunError(TowageError):

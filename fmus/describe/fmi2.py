@@ -3,6 +3,7 @@ exchange too."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from importlib import metadata
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
@@ -11,6 +12,7 @@ from ..declare.interface import Interface
 from ..declare.quantities import unit_definition
 from ..declare.unit import Unit, Variable
 
+_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 GENERATION_TOOL = "towage"
 AUTHORS = "The towage developers"
 LOG_CATEGORIES = {
@@ -91,9 +93,16 @@ def _document(root: Element, interface: Interface) -> bytes:
 
 
 def document(root: Element) -> bytes:
-    """The text of an XML document."""
+    """The text of an XML document; letters that XML does not allow, which a title may have, are spelled as in Python."""
+    for element in root.iter():
+        element.text = element.text and _NOT_XML.sub(_spelled, element.text)
+        element.attrib.update({name: _NOT_XML.sub(_spelled, value) for name, value in element.attrib.items()})
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n%b\n' % tostring(root, encoding="utf-8")
+
+
+def _spelled(found: re.Match[str]) -> str:
+    return found[0].encode("unicode_escape").decode()
 
 
 def preamble(root: Element, variables: Iterable[Variable]) -> None:

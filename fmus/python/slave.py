@@ -22,6 +22,7 @@ import json
 import os
 import sys
 import traceback
+import zlib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -161,15 +162,20 @@ class Fmi2Slave:
 
     @classmethod
     def _fmu_state_to_bytes(cls, state: tuple[Any, ...]) -> bytes:
-        return json.dumps([BUILD, cls.unit.name, state]).encode()
+        text = json.dumps([BUILD, cls.unit.name, state]).encode()
+        return b"%08x %b" % (zlib.crc32(text), text)
 
     @classmethod
     def _fmu_state_from_bytes(cls, state: bytes) -> tuple[Any, ...]:
-        """The state, or an empty one (which `restore` refuses) for bytes that no FMU of this build wrote."""
+        """The state, or an empty one (which `restore` refuses) for bytes that no FMU of this build wrote, or that were
+        changed since."""
         try:
-            build, name, content = json.loads(state.decode())
+            text = state[9:]
+            if state[:9] != b"%08x " % zlib.crc32(text):
+                return ()
+            build, name, content = json.loads(text)
             head, tuples = content[:7], [tuple(map(float, part)) for part in content[7:]]
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, RecursionError):
             return ()
         return (*head, *tuples) if (build, name) == (BUILD, cls.unit.name) else ()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import stat
+import struct
 import warnings
 import zipfile
 from collections.abc import Callable
@@ -58,12 +59,26 @@ def _with_doctype(encoding: str) -> Box:
     return lambda path: boxes.build(path, (head + "?>" + boxes.DOCTYPE + rest).encode(encoding))
 
 
-def _described(text: str) -> Box:
-    return lambda path: boxes.build(path, text)
+def _described(text: str, repeated: str = "", times: int = 0) -> Box:
+    return lambda path: boxes.build(path, text + times * repeated, resources__noise=random.Random(2).randbytes(1 << 20))
 
 
 def _library(data: bytes) -> Box:
     return lambda path: boxes.build(path, library=data)
+
+
+def _behind_a_hole(path: Path) -> None:
+    boxes.build(path)
+    data = path.read_bytes()
+    with open(path, "wb") as file:
+        file.seek(8 << 30)
+        file.write(data)
+
+
+def _long_contents(path: Path) -> None:
+    """32 MB of nothing that the end of the archive calls its table of contents."""
+    end = struct.pack("<IHHHHIIH", 0x06054B50, 0, 0, 65535, 65535, 32 << 20, 0, 0)
+    path.write_bytes(bytes(32 << 20) + end)
 
 
 def _without_description(path: Path) -> None:
@@ -92,6 +107,8 @@ ARCHIVES: list[tuple[str, Box, str]] = [
     ("10,002 entries", _entry(*(f"resources/{k}" for k in range(10_000))), "more than 10000"),
     ("600 MB declared", _declaring(600 * 2**20, 1000), "over 512: refused as a bomb"),
     ("20 MB of zeros", _declaring(20 * 2**20, 20 * 2**20), "times its size: refused as a bomb"),
+    ("a hole of 8 GB before it", _behind_a_hole, "bytes, more than 536,870,912"),
+    ("a table of contents of 32 MB", _long_contents, "bytes of the archive's table of contents"),
     ("no zip archive", lambda path: path.write_bytes(b"#!/bin/sh\n"), "damaged or truncated"),
     ("empty file", lambda path: path.touch(), "damaged or truncated"),
     *((f"cut at byte {cut}", _altered(lambda data, n=cut: data[:n]), "damaged or truncated") for cut in (100, 400, -1, -30)),
@@ -102,7 +119,10 @@ DESCRIPTIONS: list[tuple[str, Box, str]] = [
     ("no modelDescription.xml", _without_description, r"no modelDescription\.xml"),
     ("DOCTYPE with entities, UTF-8", _with_doctype("utf-8"), "DOCTYPE"),
     ("DOCTYPE with entities, UTF-16", _with_doctype("utf-16"), "DOCTYPE"),
-    ("100,000 nested elements", _described("<a>" * 100_000 + "</a>" * 100_000), "expected 'fmiModelDescription'"),
+    ("100,000 nested elements", _described("<a>" * 100_000 + "</a>" * 100_000), "101 levels of elements, more than 100"),
+    ("3,000,000 empty elements", _described("<a>", "<b/>", 3_000_000), "of elements and attributes, more than"),
+    ("60 MB of one element", _described("<a ", "b='' ", 12_000_000), "bytes of one tag, more than"),
+    ("a name of 100,000 letters", _described(boxes.xml().replace('"depth"', f'"{"d" * 100_000}"')), "has 100000 letters"),
     *((says, _described(text), says) for text, says in boxes.INVALID_DESCRIPTIONS),
 ]
 BINARIES: list[tuple[str, Box, str]] = [

@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 import resource
+import shutil
 import subprocess
 import tempfile
+import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -95,11 +98,32 @@ def full_cache(directory: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def full_temporary(directory: Path) -> Iterator[None]:
-    """No room for the journal of a run, its mark and its result."""
+    """No room for temporary files, of which a run with an output directory needs none."""
     with _disk(directory / "temporary"), pytest.MonkeyPatch.context() as patch:
         patch.setattr(tempfile, "tempdir", str(directory / "temporary"))
         _fill(directory / "temporary")
         yield
+
+
+@contextlib.contextmanager
+def removed_results(directory: Path) -> Iterator[None]:
+    """The output directory goes as soon as a run has begun."""
+    ended = threading.Event()
+
+    def remove() -> None:
+        """Wait for the journal, and take its directory away."""
+        journal = directory / "out" / "scene.unfinished" / "journal"
+        while not ended.is_set() and not (journal.exists() and journal.stat().st_size):
+            time.sleep(0.001)
+        shutil.rmtree(directory / "out", ignore_errors=True)
+
+    thread = threading.Thread(target=remove)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 def damaged(pattern: str) -> Callable[[Path], contextlib.AbstractContextManager[None]]:
@@ -128,7 +152,8 @@ CASES = [
     Case(
         "disk", "full where shipped FMUs are built", shipped, 2, "cannot be built: the disk is full", None, full_cache
     ),
-    Case("disk", "full where the run keeps its journal", SOUND, 3, "the disk is full", None, full_temporary),
+    Case("disk", "full where temporary files go", SOUND, 0, "", STOP, full_temporary),
+    Case("disk", "the folder of the results removed during the run", SOUND, 0, "made again", STOP, removed_results),
     Case("disk", "unpacked library cut in half", SOUND, 0, "", STOP, damaged("hostile.so")),
     Case("disk", "built FMU cut in half", shipped, 0, "", STOP, damaged("ship.fmu")),
 ]

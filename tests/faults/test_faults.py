@@ -51,6 +51,15 @@ def test_writer_killed(writer: str, kills: int) -> None:
     assert counts["content 1"]
 
 
+@pytest.mark.parametrize("amount", [["--count", "650"], pytest.param(["--seconds", "60"], marks=pytest.mark.slow)])
+def test_mutated_inputs_are_taken_or_refused(amount: list[str]) -> None:
+    command = [sys.executable, "-m", "tests.faults.fuzz", "--seed", "18", *amount]
+    done = subprocess.run(command, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+    assert not done.returncode, done.stdout + done.stderr
+    rows = re.findall(r"^\| (\w+) \| (\d+) \| (\d+) \| 0 \| (\d+) \|$", done.stdout, re.M)
+    assert len(rows) == 13 and all(int(refused) for _, _, refused, _ in rows)
+
+
 def test_processes_that_build_and_unpack_at_once_all_succeed(tmp_path: Path) -> None:
     path = scene(tmp_path, {"ship": Path("ship"), "second": Path("ship")}, [])
     environment = {**ENVIRONMENT, "TOWAGE_CACHE": str(tmp_path / "cache")}

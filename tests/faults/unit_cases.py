@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import math
 import resource
 from collections.abc import Callable, Iterator
 from pathlib import Path
+
+import psutil
 
 from tests.foreign.units import hostile
 
@@ -32,6 +35,28 @@ def misbehaving(misdeed: str, coupling: str = "", **how: object) -> Callable[[Pa
     return write
 
 
+def named(case: str) -> Callable[[Path], Path]:
+    """A sound scene with one case of that name."""
+
+    def write(directory: Path) -> Path:
+        path = misbehaving("none")(directory)
+        path.write_text(f"{path.read_text('utf-8')}\n[[cases]]\nname = {json.dumps(case)}\n", "utf-8")
+        return path
+
+    return write
+
+
+def stepped(step: float) -> Callable[[Path], Path]:
+    """A sound scene with that step, s."""
+
+    def write(directory: Path) -> Path:
+        path = misbehaving("none")(directory)
+        path.write_text(path.read_text("utf-8").replace(f"step = {STEP}", f"step = {step}"), "utf-8")
+        return path
+
+    return write
+
+
 @contextlib.contextmanager
 def little_memory(directory: Path) -> Iterator[None]:
     """An address space that a unit can use up without harm to the machine, here and in the processes started."""
@@ -41,6 +66,24 @@ def little_memory(directory: Path) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+@contextlib.contextmanager
+def nothing_stays(directory: Path) -> Iterator[None]:
+    """No process is left that has a folder of the case open or in its arguments, nor a child of this one."""
+    me = psutil.Process()
+    before = {child.pid for child in me.children(recursive=True)}
+    known = set(psutil.pids())
+    yield
+    left = [child for child in me.children(recursive=True) if child.pid not in before]
+    left += [p for p in psutil.process_iter() if p.pid not in known and _runs_towage(p)]
+    assert not left, left
+
+
+def _runs_towage(process: psutil.Process) -> bool:
+    with contextlib.suppress(psutil.Error):
+        return process.ppid() == 1 and "towage.process.worker" in " ".join(process.cmdline())
+    return False
 
 
 ANY_TIME = math.nan
@@ -95,6 +138,24 @@ HARMLESS: list[tuple[str, str]] = [
     ("frozen", "OK without stepping (not visible from outside)"),
     ("deaf", "inputs are ignored (not visible from outside)"),
 ]
+MEDDLING: list[tuple[str, str]] = [
+    ("step:chdir@1", r"winch changed the working directory, to /: set back"),
+    ("instantiate:chdir", r"winch changed the working directory, to /: set back"),
+    ("step:umask@1", r"winch changed the mask of new files, to 000: set back"),
+    ("enter:mask", r"winch changed the mask of signals: set back"),
+    ("step:rounding@1", r"winch changed the floating-point mode: set back"),
+    ("set:rounding@0", r"winch changed the floating-point mode: set back"),
+]
+OFFSPRING: list[tuple[str, str]] = [
+    ("step:fork@1", "children that never end"),
+    ("step:daemon@1", "a daemon in a session of its own"),
+    ("step:twin@1", "a copy of the process that goes on with the run"),
+]
+LOST: list[tuple[str, str]] = [
+    ("step:descriptors@1", "all descriptors used up"),
+    ("step:short files@1", "files limited to nothing"),
+]
+ACTING = "a\x1b[2Jb\u202e/../c"
 EXTRAPOLATE = "scheme = 'extrapolate'\nevents = false\n"
 CASES = [
     *(Case("death", m, misbehaving(m), 3, says, end) for m, end, says in DEATHS),
@@ -106,5 +167,12 @@ CASES = [
          2, "hermite needs units that save and restore their state, winch cannot: use 'extrapolate'"),
     *(Case("lie", m, misbehaving(m), 3, says, end) for m, end, says in LIES),
     Case("lie", "forgetful, under extrapolate", misbehaving("forgetful", EXTRAPOLATE), 0, "", STOP),
+    *(Case("lost", f"{m}: {what}", misbehaving(m), 0, "", STOP) for m, what in LOST),
+    Case("lost", "the name of a case of 300 letters of three bytes", named("瀬" * 300), 0, "", STOP),
+    Case("lost", "the name of a case that would act on a terminal", named(ACTING), 0, r"a\\x1b\[2Jb\\u202e", STOP),
+    Case("endless", "1e12 steps", stepped(STOP / 1e12), 2, r"1e\+12 steps of . numbers take .* MB"),
+    Case("endless", "1e18 steps", stepped(STOP / 1e18), 2, "below the last digit of a time of 2 s"),
+    *(Case("meddling", m, misbehaving(m), 0, says, STOP) for m, says in MEDDLING),
+    *(Case("offspring", f"{m}: {what}", misbehaving(m), 0, "", STOP, nothing_stays) for m, what in OFFSPRING),
     *(Case("harmless", f"{m}: {what}", misbehaving(m), 0, "", STOP) for m, what in HARMLESS),
 ]  # fmt: skip

@@ -5,11 +5,14 @@
  * sound unit with variables of all types and no derivatives, units or display units.
  * Value references: Real 0 u, 1 y, 2 gain, 3 x0; Integer 0 factor, 1 steps; Boolean 0 reversed, 1 moving; String 0 label, 1 word. */
 #define _POSIX_C_SOURCE 200809L
+#include <fenv.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
@@ -67,6 +70,16 @@ static int due(Unit *unit, const char *where)
     if (IS("babble")) for (int k = 0; k < 20000; k++)
         unit->callbacks->logger(unit->callbacks->environment, unit->name, WARNING, "\xff", "\xff\xfe %d %s", k, "\x80");
     if (IS("silent log")) unit->callbacks->logger(0, 0, ERROR, 0, 0);
+    if (IS("chdir") && chdir("/")) return ERROR;
+    if (IS("umask")) umask(0);
+    if (IS("mask")) { sigset_t all; sigfillset(&all); sigprocmask(SIG_BLOCK, &all, 0); }
+    if (IS("rounding")) fesetround(FE_UPWARD);
+    if (IS("fork") && !fork()) for (;;) sleep(1);
+    if (IS("daemon") && !fork()) { setsid(); if (fork()) _exit(0); for (;;) sleep(1); }
+    if (IS("twin") && !fork()) return OK; /* and the copy goes on with the run */
+    if (IS("descriptors")) while (dup(2) >= 0) ;
+    if (IS("short files")) { struct rlimit none = {0, 0}; setrlimit(RLIMIT_FSIZE, &none); }
+    if (IS("escape")) puts("\033]0;hacked\007\033[2J");
     if (IS("nan")) unit->y = NAN;
     if (IS("inf")) unit->y = HUGE_VAL;
     if (IS("discard")) return DISCARD;

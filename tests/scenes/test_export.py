@@ -236,5 +236,10 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["export", "alvin", "--ssp", str(tmp_path / "none.ssp")]) == 2
     assert cli.main(["export", "sea_cliff", "--case", "no", "--ssp", str(tmp_path / "none.ssp")]) == 2
     assert not (tmp_path / "none.ssp").exists()
+    acting = ["--set", "title=a\x1b]0;b\x07 <c> \ufffe", "--ssp", str(tmp_path / "acting.ssp")]
+    assert cli.main([*command, *acting]) == 0
+    with zipfile.ZipFile(tmp_path / "acting.ssp") as ssp:
+        root = ElementTree.fromstring(ssp.read("SystemStructure.ssd"))
+    assert root[0].get("name") == r"a\x1b]0;b\x07 <c> \ufffe"
     with pytest.raises(SystemExit):
         cli.main(["export", "sea_cliff"])

@@ -20,8 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if every case may run, 2 if one is refused, 3 if a unit fails in its initialisation."""
-    from towage.cli import complain
     from towage.errors import SceneError, TowageError
+    from towage.terminal import complain
 
     scene, chosen = common.load(arguments)
     from towage.process.worker import check_isolated
@@ -32,7 +32,7 @@ def execute(arguments: argparse.Namespace) -> int:
         case = resolved.scene.chosen
         label = case or scene.title
         try:
-            findings = check_isolated(resolved, arguments.timeout)
+            findings = check_isolated(resolved, arguments.timeout, common.limits(arguments))
         except TowageError as error:
             complain(f"{label}: {error}")
             document.append({"case": case, "checks": [], "error": str(error)})

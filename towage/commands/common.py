@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import math
 import re
-import signal
-import sys
-import threading
-import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
+
+from towage import reading
+from towage.files import cut
+from towage.terminal import tell
 
 if TYPE_CHECKING:
+    from towage.process.overseer import Limits
     from towage.scene.resolve import ResolvedScene
     from towage.scene.scene import Scene
-
-LONGEST_NAME = 100
-"""Characters of a case's name that go into a file name."""
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +46,12 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
         default=60.0,
         help="give a case up after so long without progress (default: 60; inf: never)",
     )
+    for option, unit, what in (
+        ("--max-time", "SECONDS", "give a case up after so long in all"),
+        ("--max-cpu", "SECONDS", "end a case that has used so much processor time"),
+        ("--max-memory", "MB", "end a case that wants more memory (its address space: libraries take 1 GB or more)"),
+    ):
+        parser.add_argument(option, metavar=unit, type=seconds, help=f"{what} (default: no limit)")
 
 
 def add_one_scene(parser: argparse.ArgumentParser) -> None:
@@ -75,10 +77,14 @@ def one_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def directory(out: Path | None, scene: Scene, suffix: str = "") -> Path:
-    """``out``, or out/<scene><suffix>; made if it is missing. Raises `TowageError`."""
+    """``out``, or out/<scene><suffix>, whatever directory a unit may go to; made if it is missing. Raises `TowageError`."""
+    return made((out or Path("out", f"{scene.file.stem if scene.file else 'scene'}{suffix}")).absolute())
+
+
+def made(place: Path) -> Path:
+    """The directory, made if it is missing. Raises `TowageError`."""
     from towage.errors import TowageError
 
-    place = out or Path("out", f"{scene.file.stem if scene.file else 'scene'}{suffix}")
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -113,22 +119,32 @@ def setting(text: str) -> tuple[str, Any]:
     if not separator or not key.strip():
         raise argparse.ArgumentTypeError(f"{text!r}: expected KEY=VALUE, as ship.heave_period='8 s'")
     try:
-        read = tomllib.loads(f"value = {value}")
-    except tomllib.TOMLDecodeError:
+        read = reading.toml(f"value = {value}")
+    except ValueError:
         read = {}
     plain = len(read) == 1 and isinstance(read["value"], (bool, int, float, str, list))
     return key.strip(), read["value"] if plain else value.strip()
 
 
 def seconds(text: str) -> float:
-    """A time above 0, in s."""
+    """A number above 0: a time in s, or a size in MB."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not value > 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a number of seconds above 0, or inf")
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a number above 0, or inf")
     return value
+
+
+def limits(arguments: argparse.Namespace) -> Limits:
+    """What a case may use up."""
+    from towage.process.overseer import Limits
+
+    given = arguments.max_memory
+    memory = None if given is None or given == math.inf else round(given * 2**20)
+    times = (None if value == math.inf else value for value in (arguments.max_cpu, arguments.max_time))
+    return Limits(memory, *times)
 
 
 def load(arguments: argparse.Namespace) -> tuple[Scene, list[Scene]]:
@@ -154,34 +170,12 @@ def resolved(chosen: list[Scene], arguments: argparse.Namespace) -> list[Resolve
     `FmuError`."""
     from towage.scene.flavour import resolve
 
-    return [resolve(scene, arguments.fmus, arguments.flavour, _tell) for scene in chosen]
-
-
-def _tell(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
-@contextlib.contextmanager
-def terminable() -> Iterator[None]:
-    """SIGTERM is Ctrl-C meanwhile: batch systems end a job with it, and what was recorded is worth keeping."""
-    if threading.current_thread() is not threading.main_thread():  # only there may it be caught
-        yield
-        return
-
-    def interrupt(number: int, frame: object) -> NoReturn:
-        """The handler of the signal."""
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    return [resolve(scene, arguments.fmus, arguments.flavour, tell) for scene in chosen]
 
 
 def file_name(case: str, taken: list[Path]) -> str:
     """The case's name in characters that every file system and shell takes, not yet used by a file in ``taken``."""
-    base = re.sub(r"[^\w.+-]+", "_", case).strip("_.")[:LONGEST_NAME] or "case"
+    base = cut(re.sub(r"[^\w.+-]+", "_", case).strip("_.")) or "case"
     used = {file.stem.casefold() for file in taken}
     name, count = base, 1
     while name.casefold() in used:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from towage.commands import common
+from towage.terminal import tell
 
 HELP = "write a scene as a system of OSP or SSP, for another host"
 
@@ -35,7 +35,7 @@ def execute(arguments: argparse.Namespace) -> int:
     from towage.scene.flavour import resolve
 
     one = common.one_scene(arguments)
-    export = prepare(resolve(one, arguments.fmus, arguments.flavour, lambda text: print(text, file=sys.stderr)))
+    export = prepare(resolve(one, arguments.fmus, arguments.flavour, tell))
     if arguments.osp:
         from towage.export.osp import write_osp
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
-from collections.abc import Iterator, Sequence
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from towage.commands import common
+from towage.errors import TowageError
+from towage.terminal import BUG, INTERRUPTED, complain, tell
 
 if TYPE_CHECKING:
-    from towage.errors import TowageError
     from towage.result.result import Result
     from towage.scene.resolve import ResolvedScene
 
+T = TypeVar("T")
 HELP = "run the cases of a scene and judge them"
 DEFAULT_WRITERS = ("csv", "npz")
 
@@ -36,6 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=kinds,
         default=DEFAULT_WRITERS,
         help="kinds of result files, with commas: csv, npz, mat, nc, and those of other packages (default: csv,npz)",
+    )
+    parser.add_argument(
+        "--resume", action="store_true", help="go on where runs into --out were killed or interrupted, to the same bits"
+    )
+    parser.add_argument(
+        "--isolate", action="store_true", help="a process a unit, with a folder of its own: slower, by some 0.2 ms a call"
     )
     parser.add_argument("--mat", action="store_true", help="write MATLAB files too")
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
@@ -60,103 +70,151 @@ def kinds(text: str) -> tuple[str, ...]:
 
 
 class Outcome(NamedTuple):
-    """How a case ended: its result, or why there is none; ``interrupted``: by the user, who wants no further case."""
+    """How a case ended: its result, or why there is none; ``code``: what the command returns for it."""
 
-    case: str
     result: Result | None
-    error: TowageError | None = None
-    interrupted: bool = False
+    error: str = ""
+    code: int = 0
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """0 if every case was done, 2 if one was refused, 3 if one failed, 130 if interrupted."""
-    from towage.cli import INTERRUPTED, complain
-    from towage.errors import RunError, SceneError
-    from towage.registry import WRITERS
+    """0 if every case was done, 2 if one was refused, 3 if one failed, 70 after a defect, 130 if interrupted."""
+    from towage.errors import SceneError
+    from towage.process.stop import heeded
 
-    writers = [WRITERS.get(name) for name in dict.fromkeys((*arguments.write, *(("mat",) if arguments.mat else ())))]
     scene, chosen = common.load(arguments)
     resolved = common.resolved(chosen, arguments)
-    from towage.report.page import text_summary, write_report
+    from towage.report.page import write_report
 
-    stem = scene.file.stem if scene.file else "scene"
-    out = common.directory(arguments.out, scene)
-    results: list[Result] = []
-    files: list[Path] = []
-    faults: list[dict[str, str]] = []
-    codes = {0}
-    interrupted = False
-    for outcome in _outcomes(resolved, stem, arguments):
-        interrupted = outcome.interrupted
-        if outcome.error:  # the other cases may be sound
-            complain(f"{outcome.case}: {outcome.error}" if outcome.case else str(outcome.error))
-            faults.append({"case": outcome.case, "message": str(outcome.error)})
-            codes.add(outcome.error.exit_code)
-        if outcome.result:
-            results.append(outcome.result)
-            codes.add(RunError.exit_code if outcome.result.status == "failed" else 0)
-            files += _write(outcome.result, out / common.file_name(outcome.case or stem, files), writers)
-            if not arguments.json:
-                print(text_summary(outcome.result), flush=True)
-    if results and not arguments.no_report:
-        files.append(write_report(results, out / "report.html"))
-    _tell(results, faults, files, out, arguments.json)
-    if interrupted:
+    work = Work(common.directory(arguments.out, scene), scene.file.stem if scene.file else "scene", arguments)
+    with heeded():
+        if not arguments.resume:
+            work.recover()
+        for case in resolved:
+            if work.case(case) == INTERRUPTED:
+                break
+        if work.results and not arguments.no_report:
+            work.keep(lambda: work.files.append(write_report(work.results, work.out / "report.html")))
+        work.tell()
+    if INTERRUPTED in work.codes:
         complain("interrupted; what was recorded is kept")
         return INTERRUPTED
-    return SceneError.exit_code if SceneError.exit_code in codes else max(codes)
+    return SceneError.exit_code if SceneError.exit_code in work.codes else max(work.codes)
 
 
-def _outcomes(cases: Sequence[ResolvedScene], stem: str, arguments: argparse.Namespace) -> Iterator[Outcome]:
-    """The cases, run one after the other until the user interrupts one."""
-    from towage.errors import TowageError
-    from towage.process.worker import Interrupted
+class Work:
+    """The cases of one command: what came of them, and where it is kept."""
 
-    for resolved in cases:
+    def __init__(self, out: Path, stem: str, arguments: argparse.Namespace) -> None:
+        from towage.registry import WRITERS
+
+        self.out, self.stem, self.arguments = out, stem, arguments
+        names = dict.fromkeys((*arguments.write, *(("mat",) if arguments.mat else ())))
+        self.writers = [WRITERS.get(name) for name in names]
+        self.results: list[Result] = []
+        self.files: list[Path] = []
+        self.faults: list[dict[str, str]] = []
+        self.codes = {0}
+
+    def recover(self) -> None:
+        """Make results of what killed runs left in the directory, before it is in anyone's way."""
+        from towage.process.unfinished import recovered
+
+        for file in self.keep(lambda: recovered(self.out, self.writers)) or ():
+            tell(f"an earlier run was killed: its record is kept as {file}")
+
+    def case(self, resolved: ResolvedScene) -> int:
+        """Run one case and write its files; the code it ends with."""
+        from towage.errors import RunError
+        from towage.process.unfinished import done_before, unfinished
+        from towage.report.page import text_summary
+
         case = resolved.scene.chosen
+        name = common.file_name(case or self.stem, self.files)
+        if self.arguments.resume and (finished := done_before(self.out / f"{name}.npz", resolved)):
+            self.results.append(finished)
+            self.files.append(self.out / f"{name}.npz")
+            return 0
+        with unfinished(self.out, name) as folder:
+            result, error, code = _run(resolved, case or self.stem, folder.path, self.arguments)
+            if error:  # the other cases may be sound
+                complain(f"{case}: {error}" if case else error)
+                self.faults.append({"case": case, "message": error})
+            if result:
+                self.results.append(result)
+                code = code or (RunError.exit_code if result.status == "failed" else 0)
+                kept = self.keep(lambda: self._write(result, name))
+                folder.done = bool(kept) or self._rescue(result, name)
+                if not self.arguments.json:
+                    print(text_summary(result), flush=True)
+            else:
+                folder.done = not self.arguments.resume  # what could not be gone on with is kept
+        self.codes.add(code)
+        return code
+
+    def keep(self, write: Callable[[], T]) -> T | None:
+        """What ``write`` returns; None where it raises `TowageError`, which is told and goes into the exit code."""
         try:
-            with common.terminable():
-                result = _run(resolved, case or stem, arguments)
-        except Interrupted as stop:
-            yield Outcome(case, stop.result, interrupted=True)
-            return
+            return write()
         except TowageError as error:
-            yield Outcome(case, None, error)
-        else:
-            yield Outcome(case, result)
+            complain(str(error))
+            self.faults.append({"case": "", "message": str(error)})
+            self.codes.add(error.exit_code)
+            return None
+
+    def _write(self, result: Result, name: str) -> bool:
+        """One file a writer (`towage.result.writers.Writer`), in a directory that is made again if it is gone."""
+        if not self.out.is_dir():
+            tell(f"{self.out} was removed during the run: made again")
+            self.out = common.made(self.out)
+        from towage.result.writers import write_files
+
+        self.files += write_files(result, self.out / name, self.writers)
+        return True
+
+    def _rescue(self, result: Result, name: str) -> bool:
+        """Keep a result that could not be written where it was wanted: beside, here or among temporary files."""
+        for place in (self.out.parent, Path.cwd(), Path(tempfile.gettempdir())):
+            with contextlib.suppress(TowageError):
+                path = place / f"{name}.rescued.npz"
+                result.save_npz(path)
+                complain(f"the result is kept as {path}")
+                self.files.append(path)
+                return True
+        return False
+
+    def tell(self) -> None:
+        """What was written, or everything as one JSON document."""
+        if self.arguments.json:
+            summaries = [result.summary() for result in self.results]
+            document = {"results": summaries, "errors": self.faults, "files": [str(f) for f in self.files]}
+            print(json.dumps(document, indent=2))
+        elif self.files:
+            print(f"written to {self.out}: {', '.join(file.name for file in self.files)}")
 
 
-def _run(resolved: ResolvedScene, label: str, arguments: argparse.Namespace) -> Result:
+def _run(resolved: ResolvedScene, label: str, folder: Path | None, arguments: argparse.Namespace) -> Outcome:
     """One case; a unit that cannot be initialised is a failed result too."""
     from towage.errors import RunError
     from towage.process.progress import progress
-    from towage.process.worker import run_isolated
+    from towage.process.unfinished import can_resume
+    from towage.process.worker import Defect, Interrupted, run_isolated
 
     stop = resolved.scene.stop_time
     try:
         with progress(stop, label, arguments.progress) as bar:
-            return run_isolated(resolved, lambda share, text: bar.update(share * stop, text), arguments.timeout)
+            report = lambda share, text: bar.update(share * stop, text)  # noqa: E731
+            resume = arguments.resume and folder is not None and can_resume(folder, resolved)
+            limits, isolate = common.limits(arguments), arguments.isolate
+            return Outcome(run_isolated(resolved, report, arguments.timeout, folder, limits, resume, isolate))
+    except Interrupted as end:
+        return Outcome(end.result, "", INTERRUPTED)
+    except Defect as defect:
+        tell(str(defect))
+        return Outcome(defect.result, "a defect of towage ended the run; what was recorded is kept", BUG)
     except RunError as error:
-        from towage.master.master import salvaged
+        from towage.master.outcome import salvaged
 
-        return salvaged(resolved, None, str(error))
-
-
-def _write(result: Result, path: Path, writers: Sequence[Any]) -> list[Path]:
-    """One file a writer (`towage.result.writers.Writer`); ``path`` has no suffix yet."""
-    files = []
-    for writer in writers:
-        files.append(path.with_name(f"{path.name}.{writer.suffix}"))
-        writer.write(result, files[-1])
-    return files
-
-
-def _tell(
-    results: Sequence[Result], faults: list[dict[str, str]], files: Sequence[Path], out: Path, as_json: bool
-) -> None:
-    """What was written, or everything as one JSON document."""
-    if as_json:
-        summaries = [result.summary() for result in results]
-        print(json.dumps({"results": summaries, "errors": faults, "files": [str(f) for f in files]}, indent=2))
-    elif files:
-        print(f"written to {out}: {', '.join(file.name for file in files)}")
+        return Outcome(salvaged(resolved, None, str(error)))
+    except TowageError as error:
+        return Outcome(None, str(error), error.exit_code)

@@ -37,9 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if every case has its ladder, 2 if one was refused, 3 if one failed."""
-    from towage.cli import complain
     from towage.errors import SceneError, TowageError
     from towage.files import atomic_write
+    from towage.process.stop import heeded
+    from towage.terminal import complain
 
     scene, chosen = common.load(arguments)
     common.resolved(chosen, arguments)  # builds FMUs here, where no timeout runs
@@ -53,7 +54,7 @@ def execute(arguments: argparse.Namespace) -> int:
     for case in chosen:
         label = case.chosen or stem
         try:
-            with common.terminable():
+            with heeded(at_once=True):
                 ladders.append(_ladder(case, label, arguments))
         except TowageError as error:  # the other cases may be sound
             complain(f"{label}: {error}")

@@ -74,10 +74,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
-    from towage.cli import INTERRUPTED, complain
     from towage.errors import SceneError
+    from towage.process.stop import heeded
     from towage.sweeps.design import design
     from towage.sweeps.sweep import JOURNAL, Sweep
+    from towage.terminal import INTERRUPTED, complain
 
     _, cases = common.load(arguments)
     if len(cases) > 1:
@@ -87,14 +88,14 @@ def execute(arguments: argparse.Namespace) -> int:
     _check_options(arguments)
     common.resolved(cases, arguments)  # builds FMUs here, where no timeout runs
     points = design(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
-    sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout)
+    sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout, common.limits(arguments))
     recorded = sweep.measures()
     limits = [_limit(text, recorded) for text in arguments.limit]
     out = common.directory(arguments.out, scene, "_sweep")
     if arguments.engine == "ensemble" and (out / JOURNAL).exists():
         raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
     try:
-        with common.terminable():
+        with heeded(at_once=arguments.engine == "ensemble"):
             table = _run(sweep, out, arguments)
     except KeyboardInterrupt:
         by_runs = arguments.engine == "runs"

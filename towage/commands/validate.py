@@ -18,11 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all are right, 2 if one is not."""
-    from towage.cli import complain
     from towage.errors import TowageError
     from towage.scene.inputs import unset_text
     from towage.scene.resolve import check_all
     from towage.scene.scene import Scene
+    from towage.terminal import complain
     from towage.units.store import locator
 
     code, locate = 0, locator(arguments.fmus)

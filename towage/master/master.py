@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -15,12 +17,15 @@ from towage.checks.check import Check, Finished, checks_of
 from towage.checks.track import Track, comparison_times
 from towage.checks.verdict import verdict
 from towage.errors import RunError
+from towage.master.checkpoint import Keeper, reopened, thaw
+from towage.master.outcome import begun, fail, keep, meddled
 from towage.master.plan import plan, refuse, started
-from towage.master.recorder import Recorder, read_events, read_journal
-from towage.master.simulation import Run, Settings, simulate
+from towage.master.recorder import Recorder
+from towage.master.simulation import Run, Settings, Simulation, simulate
 from towage.master.stages import Report, Stages
 from towage.master.system import System
-from towage.result.records import Finding, Item, Verdict
+from towage.result.journal import Journal
+from towage.result.records import Finding, Item
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import ResolvedScene, ResolvedVariant
@@ -72,9 +77,10 @@ def run_resolved(
     report: Report | None = None,
     journal: Path | None = None,
     make_unit: UnitFactory = Unit,
+    resume: bool = False,
 ) -> Result:
-    """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk;
-    ``make_unit`` makes the units.
+    """Run, compare, judge. ``report`` hears (share done, what is going on); ``journal`` keeps rows on disk, and checkpoints
+    beside it, from which ``resume`` goes on if there is one; ``make_unit`` makes the units.
 
     Raises `SceneError` for a scene that the checks before the run refuse. A run that fails on its way comes back as a
     result with status "failed" and what was recorded until then.
@@ -85,8 +91,8 @@ def run_resolved(
         refuse(planned.findings, resolved)
         settings = planned.settings
         stages = Stages(report, {MAIN: 1.0} | {variant.name: _weight(variant) for variant in resolved.variants})
-        result = _result(resolved, settings.scheme.name, planned.findings)
-        columns, track = _coupled_run(resolved, system, settings, result, stages, journal)
+        result = begun(resolved, settings.scheme.name, planned.findings)
+        columns, track = _coupled_run(resolved, system, settings, result, stages, journal, resume)
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
             others = OtherRuns(resolved, settings, stages, make_unit)
@@ -110,17 +116,6 @@ def check_resolved(resolved: ResolvedScene, make_unit: UnitFactory = Unit) -> li
         return findings
     finally:
         system.close()
-
-
-def salvaged(resolved: ResolvedScene, journal: Path | None, message: str) -> Result:
-    """A failed result with what is in the journal of a run that ended with its process."""
-    result = _result(resolved, resolved.scene.coupling.scheme, [])
-    _fail(result, message)
-    if journal:
-        result.time, columns = read_journal(journal)
-        result.events = read_events(journal)
-        _keep(result, resolved, columns)
-    return result
 
 
 class OtherRun(NamedTuple):
@@ -206,21 +201,34 @@ def _coarse(settings: Settings) -> Settings:
 
 
 def _coupled_run(
-    resolved: ResolvedScene, system: System, settings: Settings, result: Result, stages: Stages, journal: Path | None
+    resolved: ResolvedScene, system: System, settings: Settings, result: Result, stages: Stages, journal: Path | None,
+    resume: bool,
 ) -> tuple[Columns, Track]:
     """Every observed output of the coupled run, as recorded and at all communication points; those that are recorded,
     events and counts go to the result, which is a failed one where the run fails."""
-    recorder = _recorder(system, settings, journal)
+    keep(result, resolved, {})
+    keeper = Keeper(journal) if journal else None
+    found = keeper.found() if keeper and resume else None
+    recorder = _recorder(system, settings)
+    begin_at: Callable[[Simulation], None] | None = None
+    if journal and found:
+        recorder.journal, kept = reopened(journal, recorder.names, found)
+        begin_at = functools.partial(thaw, data=found, kept=kept)
+    elif journal and keeper:
+        keeper.path.unlink(missing_ok=True)  # one that is left is of the journal that ends here
+        recorder.journal = Journal(journal, recorder.names, result.metadata())
     try:
-        run = simulate(system, settings, recorder, stages.progress(MAIN, settings.stop_time))
+        report = stages.progress(MAIN, settings.stop_time)
+        run = simulate(system, settings, recorder, report, begin_at, keeper.look if keeper else None)
     except RunError as error:
-        _fail(result, str(error))
+        fail(result, str(error))
         run = getattr(error, "run", Run())
     finally:
         recorder.close()
+    result.checks += meddled(system)
     track = recorder.track()
     result.time, columns = recorder.columns(track)
-    _keep(result, resolved, columns)
+    keep(result, resolved, columns)
     result.events = run.events
     result.step_sizes = np.array(run.steps)
     result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}
@@ -262,39 +270,7 @@ def _broken(result: Result, check: Check, error: Exception) -> Item:
     return Item("not judged", f"{check.name} {reason}", None, None)
 
 
-def _recorder(system: System, settings: Settings, journal: Path | None = None) -> Recorder:
+def _recorder(system: System, settings: Settings) -> Recorder:
     outputs = [(f"{unit.name}.{name}", unit.variables.get(name)) for unit in system.units for name in unit.outputs]
     held = [column for column, variable in outputs if variable and variable.variability == "discrete"]
-    return Recorder([column for column, _ in outputs], journal, settings.record_interval, held)
-
-
-def _result(resolved: ResolvedScene, scheme: str, findings: list[Finding]) -> Result:
-    scene = resolved.scene
-    return Result(
-        title=scene.title,
-        case=scene.chosen,
-        scheme=scheme,
-        status="done",
-        message="",
-        time=np.empty(0),
-        columns={},
-        units={},
-        checks=findings,
-        scene_source=scene.source,
-        flavours={name: unit.flavour for name, unit in resolved.units.items()},
-    )
-
-
-def _fail(result: Result, message: str) -> None:
-    result.status, result.message = "failed", message
-    result.verdict = Verdict("not judged", "the run failed", None, None)
-
-
-def _keep(result: Result, resolved: ResolvedScene, columns: Columns) -> None:
-    """Those columns that the scene records, as far as they are known, with their units of measure."""
-    variables = {name: unit.description.by_name() for name, unit in resolved.units.items()}
-    for unit, name in resolved.record:
-        column = f"{unit}.{name}"
-        result.units[column] = variables[unit][name].unit or ""
-        if column in columns:
-            result.columns[column] = columns[column]
+    return Recorder([column for column, _ in outputs], None, settings.record_interval, held)

@@ -59,17 +59,25 @@ class Run:
 
 
 def simulate(
-    system: System, settings: Settings, recorder: Recorder, report: Callable[[float], None] | None = None
+    system: System,
+    settings: Settings,
+    recorder: Recorder,
+    report: Callable[[float], None] | None = None,
+    begin_at: Callable[[Simulation], None] | None = None,
+    look: Callable[[Simulation], None] | None = None,
 ) -> Run:
-    """Run a started system from 0 to the stop time. ``report`` hears the time reached now and then.
+    """Run a started system from 0, or from where ``begin_at`` brings it, to the stop time. ``report`` hears the time reached
+    now and then; ``look`` is given the simulation as often, before a step (`towage.master.checkpoint`).
 
     Raises `RunError`; what was recorded until then is in ``recorder``, and the run so far in its ``run`` attribute.
     """
-    simulation = _Simulation(system, settings, recorder)
+    simulation = Simulation(system, settings, recorder)
     run = simulation.run
     begin, begin_cpu = clock.perf_counter(), clock.process_time()
     try:
-        simulation.to_the_end(report)
+        if begin_at:
+            begin_at(simulation)
+        simulation.to_the_end(report, look)
     except RunError as error:
         error.run = run  # type: ignore[attr-defined]
         raise
@@ -78,7 +86,7 @@ def simulate(
     return run
 
 
-class _Simulation:
+class Simulation:
     """A run on its way: where it stands, and one communication step after the other.
 
     ``done`` counts the steps of a fixed grid. ``control`` is the step that the error control
@@ -102,13 +110,18 @@ class _Simulation:
         self.time, self.done = 0.0, 0
         self.before = indications(system) if self.searches else []
 
-    def to_the_end(self, report: Callable[[float], None] | None) -> None:
+    def to_the_end(
+        self, report: Callable[[float], None] | None, look: Callable[[Simulation], None] | None = None
+    ) -> None:
         """Step until the stop time."""
-        self.record(0.0)
+        if not self.recorder.data:
+            self.record(0.0)
         next_report = 0.0
         while True:
             if report and clock.monotonic() > next_report:
                 report(self.time)
+                if look:
+                    look(self)
                 next_report = clock.monotonic() + REPORT_INTERVAL
             if self.time >= self.stop:
                 return

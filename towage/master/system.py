@@ -67,8 +67,8 @@ class System:
         self.start_cpu = 0.0  # processor time of loading and initialisation, s
         self.old_step = 0.0
         self.saved_at = math.nan
-        self._learned: list[tuple[Any, Any]] = []
-        self._learned_step = 0.0
+        self.learned_now: list[tuple[Any, Any]] = []
+        self.learned_step = 0.0
         try:
             for resolved in scene.units.values():
                 directory = unpacked(resolved.path, extracted)
@@ -152,15 +152,15 @@ class System:
                 for s in self.out[i]:
                     s.value, s.rate = s.end_value, s.end_rate
         self.old_step = 0.0
-        self._learned.clear()
+        self.learned_now.clear()
 
     def learned(self, step: float) -> list[tuple[Any, Any]]:
         """What iterations at this step length told of the loop since the last event: (change of the residual, change of
         the ends found) of one to the next, oldest first. The caller adds to it."""
-        if abs(step - self._learned_step) > SAME_STEP * step:
-            self._learned.clear()
-            self._learned_step = step
-        return self._learned
+        if abs(step - self.learned_step) > SAME_STEP * step:
+            self.learned_now.clear()
+            self.learned_step = step
+        return self.learned_now
 
     def accept(self, step: float) -> None:
         """The end of the step becomes the communication point."""

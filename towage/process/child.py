@@ -12,6 +12,7 @@ import json
 import os
 import queue
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -19,6 +20,10 @@ import time
 from collections import deque
 from collections.abc import Callable
 from typing import IO, Any, Self
+
+from towage.process import stop
+from towage.process.overseer import Limits
+from towage.terminal import escaped
 
 POLL = 0.1
 """Longest wait for a line before the child is looked at, s."""
@@ -32,6 +37,7 @@ SHOWN_LINES = 20
 SHOWN_BYTES = 500
 """Of what a child prints the end is kept: lines, and the bytes of each, because a unit may print without end of line."""
 Report = Callable[[float, str], None]
+NO_LIMITS = Limits()
 
 
 class Clock:
@@ -57,15 +63,24 @@ class Hung(Died):
 
 
 class Child:
-    """A process that runs ``main()`` of ``module``, asked one thing after another. It finds modules where this process
-    does. A context manager; its end is the child's, whatever state that is in."""
+    """A process that runs ``main()`` of ``module`` within ``limits``, asked one thing after another. It finds modules where
+    this process does. A context manager; its end is the child's, and that of all that the child started, whatever state
+    they are in (`towage.process.overseer`)."""
 
-    def __init__(self, module: str) -> None:
+    def __init__(self, module: str, limits: Limits = NO_LIMITS) -> None:
         paths = [path or os.getcwd() for path in sys.path]
-        start = f"import sys; sys.path[:] = {paths!r}; from {module} import main; main()"
-        pipe = subprocess.PIPE
-        self.process = subprocess.Popen([sys.executable, "-c", start], stdin=pipe, stdout=pipe, stderr=pipe)
+        self._life, theirs = socket.socketpair()
+        start = (
+            f"import sys; sys.path[:] = {paths!r}; from towage.process.overseer import Limits, oversee; "
+            f"oversee({theirs.fileno()}, {limits!r}); from {module} import main; main()"
+        )
+        pipe, inherited = subprocess.PIPE, (theirs.fileno(),) if os.name == "posix" else ()
+        with theirs:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", start], stdin=pipe, stdout=pipe, stderr=pipe, pass_fds=inherited
+            )
         assert self.process.stdin and self.process.stdout and self.process.stderr
+        self._limits, self._pid = limits, 0
         self._stdin, self._streams = self.process.stdin, (self.process.stdout, self.process.stderr)
         self._lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._printed: deque[bytes] = deque(maxlen=SHOWN_LINES)
@@ -77,6 +92,16 @@ class Child:
             thread.start()
 
     @property
+    def pid(self) -> int:
+        """The id of the process that does the work; its overseer tells it as soon as it has forked."""
+        if not self._pid:
+            with contextlib.suppress(OSError):  # a timeout is one
+                self._life.settimeout(START)
+                self._pid = int.from_bytes(self._life.recv(8), "little")
+            self._pid = self._pid or self.process.pid
+        return self._pid
+
+    @property
     def printed(self) -> str:
         """The last it printed."""
         return b"".join(self._printed.copy()).decode(errors="replace")
@@ -86,30 +111,75 @@ class Child:
         with contextlib.suppress(OSError):  # a child that died at once is found dead below
             self._stdin.write(request)
             self._stdin.flush()
-        return _listen(self.process, self._threads[0], self._lines, report, timeout)
+        return self._listen(report, timeout)
+
+    def end(self) -> None:
+        """End the child, if it lives, and all that it started."""
+        self._life.close()
+        try:
+            self.process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+    def _listen(self, report: Report | None, timeout: float) -> dict[str, Any]:
+        """Pass progress on until the child answers. Of a wait at most `POLL` counts as silence, so that a machine or a
+        terminal that was suspended kills nobody."""
+        silence, looks, begin, before = 0.0, 0, time.monotonic(), CLOCK.now(self.pid)
+        last: tuple[float, str] | None = None
+        while True:
+            stop.look()
+            gone = self.process.poll() is not None
+            ended = gone and not self._threads[0].is_alive()
+            message, empty = _next_message(self._lines)
+            now = CLOCK.now(self.pid)
+            silence, before = silence + min(now - before, POLL), now
+            if message is not None:
+                if "share" not in message:
+                    return message
+                if (message["share"], message["text"]) != last:
+                    silence, last = 0.0, (message["share"], message["text"])
+                    if report:
+                        report(message["share"], message["text"])
+            looks += gone and empty
+            if (ended and empty) or looks > LOOKS:
+                raise Died(_fate(self.process.returncode))
+            if silence >= (timeout if last else timeout + START):
+                self._ask_for_stack()
+                raise Hung(f"made no progress for {timeout:g} s and was stopped")
+            if self._limits.total and time.monotonic() - begin > self._limits.total:
+                raise Hung(f"took longer than its limit of {self._limits.total:g} s in all and was stopped")
+
+    def _ask_for_stack(self) -> None:
+        """Have a hung child write its stack, which it can do from a signal handler and then ends; else end it."""
+        if hasattr(signal, "SIGUSR1"):
+            self.process.send_signal(signal.SIGUSR1)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.process.wait(GRACE)
+        self.end()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *raised: object) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
+        self.end()
         with contextlib.suppress(OSError):
             self._stdin.close()
         for thread, stream in zip(self._threads, self._streams):
             thread.join(GRACE)
-            if not thread.is_alive():  # a process that a unit left behind may hold the pipe
+            if not thread.is_alive():
                 stream.close()
 
 
-def converse(module: str, request: bytes, report: Report | None, timeout: float) -> dict[str, Any]:
+def converse(
+    module: str, request: bytes, report: Report | None, timeout: float, limits: Limits = NO_LIMITS
+) -> dict[str, Any]:
     """Ask a child one thing and see it end; returns its answer.
 
     Raises `Died`, with what the child printed. Whatever else ends the conversation (Ctrl-C, an error in ``report``) ends
     the child.
     """
-    child = Child(module)
+    child = Child(module, limits)
     try:
         with child:
             answer = child.ask(request, report, timeout)
@@ -118,15 +188,16 @@ def converse(module: str, request: bytes, report: Report | None, timeout: float)
     except Died as death:
         death.printed = child.printed.strip()
         raise
-    sys.stderr.write(child.printed)
+    sys.stderr.write(escaped(child.printed))
     return answer
 
 
 def attend() -> tuple[IO[bytes], Callable[[dict[str, Any]], None]]:
     """In a child: (what it is asked, how it answers). From now on only the parent interrupts it, and nothing else that
     is printed is taken for an answer."""
-    for stop in (signal.SIGINT, signal.SIGTERM):  # these may reach both; the parent decides
-        signal.signal(stop, signal.SIG_IGN)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGUSR2"):  # these may reach both; the parent decides
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     requests, channel = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "w", encoding="ascii")
     os.dup2(2, 1)
     with open(os.devnull, "rb") as nothing:
@@ -145,38 +216,6 @@ def attend() -> tuple[IO[bytes], Callable[[dict[str, Any]], None]]:
 def _drain(stream: IO[bytes], longest: int, keep: Callable[[bytes], None]) -> None:
     while line := stream.readline(longest):
         keep(line)
-
-
-def _listen(
-    child: subprocess.Popen[bytes],
-    reader: threading.Thread,
-    lines: queue.SimpleQueue[bytes],
-    report: Report | None,
-    timeout: float,
-) -> dict[str, Any]:
-    """Pass progress on until the child answers. Of a wait at most `POLL` counts as silence, so that a machine or a
-    terminal that was suspended kills nobody."""
-    silence, looks, before = 0.0, 0, CLOCK.now(child.pid)
-    last: tuple[float, str] | None = None
-    while True:
-        gone = child.poll() is not None
-        ended = gone and not reader.is_alive()
-        message, empty = _next_message(lines)
-        now = CLOCK.now(child.pid)
-        silence, before = silence + min(now - before, POLL), now
-        if message is not None:
-            if "share" not in message:
-                return message
-            if (message["share"], message["text"]) != last:
-                silence, last = 0.0, (message["share"], message["text"])
-                if report:
-                    report(message["share"], message["text"])
-        looks += gone and empty
-        if (ended and empty) or looks > LOOKS:
-            raise Died(_fate(child.returncode))
-        if silence >= (timeout if last else timeout + START):
-            _ask_for_stack(child)
-            raise Hung(f"made no progress for {timeout:g} s and was stopped")
 
 
 def _next_message(lines: queue.SimpleQueue[bytes]) -> tuple[dict[str, Any] | None, bool]:
@@ -198,15 +237,8 @@ def _fate(code: int) -> str:
         name = signal.Signals(-code).name
     except ValueError:
         name = f"signal {-code}"
-    hint = ": perhaps the machine ran out of memory" if name == "SIGKILL" else ""
+    hint = {
+        "SIGKILL": ": perhaps the machine ran out of memory",
+        "SIGXCPU": ": its processor time is used up (--max-cpu)",
+    }.get(name, "")
     return f"crashed the process of the run ({name}, {(signal.strsignal(-code) or '').lower()}{hint})"
-
-
-def _ask_for_stack(child: subprocess.Popen[bytes]) -> None:
-    """Have a hung child write its stack, which it can do from a signal handler and then ends; else end it."""
-    if hasattr(signal, "SIGUSR1"):
-        child.send_signal(signal.SIGUSR1)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            child.wait(GRACE)
-    child.kill()
-    child.wait()

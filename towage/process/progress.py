@@ -16,6 +16,10 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Literal, Self
 
+from towage.terminal import escaped
+
+LONGEST_LABEL = 200
+"""Letters of what is shown of a label."""
 Mode = Literal["auto", "json", "none"]
 
 CLOCK: Callable[[], float] = time.monotonic
@@ -52,7 +56,7 @@ class Bar:
 
     def __init__(self, total: float, label: str, interval: float) -> None:
         self.total = total if math.isfinite(total) and total > 0.0 else 0.0
-        self.label = label
+        self.label = escaped(label, "", LONGEST_LABEL)
         self.done = 0.0
         self.text = ""
         self._interval = interval
@@ -64,7 +68,7 @@ class Bar:
         last one."""
         self.done = done
         if text:
-            self.text = text
+            self.text = escaped(text, "", LONGEST_LABEL)
         now = CLOCK()
         if now >= self._next:
             self._next = now + self._interval

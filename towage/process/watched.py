@@ -51,6 +51,16 @@ class Watched(Unit):
         self._note(self._label, b"state", time)
         super().restore(time)
 
+    def frozen(self, time: float) -> bytes:
+        """As `Unit.frozen`."""
+        self._note(self._label, b"state", time)
+        return super().frozen(time)
+
+    def thaw(self, data: bytes, time: float) -> None:
+        """As `Unit.thaw`."""
+        self._note(self._label, b"state", time)
+        super().thaw(data, time)
+
     def close(self) -> None:
         """As `Unit.close`."""
         self._note(self._label, b"termination", math.nan)

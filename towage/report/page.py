@@ -7,6 +7,7 @@ the end the scene files.
 from __future__ import annotations
 
 import os
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from html import escape
@@ -21,6 +22,7 @@ from towage.report.format import Markup, badge, details, figure, moment, number,
 from towage.report.plots import Plotter, roles
 from towage.report.tables import accuracy, card, checks, events, of_checks, statistics
 from towage.result.result import Item, Margin, Result
+from towage.terminal import escaped
 
 _PLOTTED_CASES = 10
 """Cases with diagrams, the gravest first: more would make the file too large to send."""
@@ -30,6 +32,8 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
+LONGEST_LINE = 1000
+"""Letters of a line for a terminal."""
 ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
 """For terminals that show nothing else."""
 
@@ -47,7 +51,7 @@ def write_report(results: Result | Sequence[Result], path: str | os.PathLike[str
     if not results:
         raise ValueError("a report needs at least one result")
     with atomic_write(path) as stream:
-        stream.write(_page(results).encode(errors="backslashreplace"))
+        stream.write(escaped(_page(results), longest=sys.maxsize).encode(errors="backslashreplace"))
     return Path(path)
 
 
@@ -62,6 +66,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  verdict         {_reason(result)}")
     lines += [f"  {item.name:15} {_item_text(item)}" for item in result.verdict.items]
     lines += [f"  {label:15} {text}" for check in every_check() for label, text in check.summary(result)]
+    lines += [f"  {'warning':15} {finding.message}" for finding in result.checks if finding.name == "process"]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
     error = result.worst_coupling_error()
@@ -72,7 +77,7 @@ def text_summary(result: Result) -> str:
         lines.append(f"  speed           {number(speed)} x real time{took}")
     if result.flavours:
         lines.append(f"  units           {result.made_of()}")
-    return "\n".join(lines).translate(ASCII)
+    return "\n".join(escaped(line, "", LONGEST_LINE) for line in lines).translate(ASCII)
 
 
 def _page(results: Sequence[Result]) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from towage import reading
 from towage.report.format import number, scale
 from towage.report.svg import canvas, thin
 from towage.result.result import Array, Result
@@ -43,8 +43,8 @@ class Roles:
 def roles(result: Result) -> Roles:
     """As the scene's ``checks.sdof`` names them; the first column called tension where it does not."""
     try:
-        named = tomllib.loads(result.scene_source).get("checks", {}).get("sdof", {})
-    except (tomllib.TOMLDecodeError, AttributeError):
+        named = reading.toml(result.scene_source).get("checks", {}).get("sdof", {})
+    except (ValueError, AttributeError):
         named = {}
     driver, motion, tension = (
         name if isinstance(name := named.get(role), str) and name in result.columns else None

@@ -6,18 +6,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
-import zipfile
 from collections.abc import Mapping
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.errors import TowageError
+from towage import reading
+from towage.errors import FileError
 from towage.files import atomic_write
 
+Place = str | os.PathLike[str] | IO[bytes]
+"""A path, or an open stream."""
 Columns = Mapping[str, NDArray[Any]]
 _FORMAT = 2
 _PREFIXES = {"columns": ("column", ""), "one_way": ("one_way", "one_way:")}
@@ -25,7 +28,7 @@ _PREFIXES = {"columns": ("column", ""), "one_way": ("one_way", "one_way:")}
 
 
 def write_npz(
-    path: str | os.PathLike[str], metadata: Mapping[str, Any], arrays: Columns, series: Mapping[str, Columns]
+    path: Place, metadata: Mapping[str, Any], arrays: Columns, series: Mapping[str, Columns]
 ) -> None:
     """Write ``metadata`` (JSON), ``arrays`` under their names, and the ``series`` "columns" and "one_way". Raises
     `TowageError` and keeps the earlier file if it cannot be written."""
@@ -37,31 +40,58 @@ def write_npz(
             key = f"{prefix}{name}"
             keys[name] = key if _can_be_key(key) and key not in keyed else f"{numbered}_{k}"
             keyed[keys[name]] = values
-    text = json.dumps(described)
-    with atomic_write(path) as stream:
-        np.savez(stream, metadata=np.frombuffer(text.encode(), np.uint8), **keyed)
+    described["checksum"] = _checksum(described, keyed)
+    keyed["metadata"] = np.frombuffer(json.dumps(described).encode(), np.uint8)
+    if isinstance(path, str | os.PathLike):
+        with atomic_write(path) as stream:
+            np.savez(stream, **keyed)
+    else:
+        np.savez(path, **keyed)
 
 
-def read_npz(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Metadata, series and arrays as written, by name. Raises `TowageError` if the file cannot be read, and ``ValueError`` or
-    ``KeyError`` if it is no such store."""
+def read_npz(path: Place) -> dict[str, Any]:
+    """Metadata, series and arrays as written, by name. Raises `FileError` if the file cannot be read or its checksum does
+    not fit, and ``ValueError``, ``TypeError`` or ``KeyError`` if it is no such store."""
     try:
-        if not zipfile.is_zipfile(path):
-            with open(path, "rb"):  # a missing file is an OSError
-                raise ValueError("it is not an npz archive")
-        with np.load(path, allow_pickle=False) as store:
-            metadata: dict[str, Any] = json.loads(store["metadata"].tobytes())
-            if metadata.pop("format") > _FORMAT:
-                raise ValueError("it was written by a newer version")
-            for kind, (numbered, _) in _PREFIXES.items():
-                if f"{numbered}_names" in metadata:  # format 1
-                    keys = {name: f"{numbered}_{k}" for k, name in enumerate(metadata.pop(f"{numbered}_names"))}
-                else:
-                    keys = metadata.pop(f"{kind}_keys")
-                metadata[kind] = {name: store[key] for name, key in keys.items()}
-            return {**metadata, "time": store["time"], "step_sizes": store["step_sizes"]}
+        store = reading.npz(path)
     except OSError as error:
-        raise TowageError(f"cannot read {os.fspath(path)}: {error.strerror or error}") from error
+        raise FileError(f"cannot read {shown(path)}: {error.strerror or error}") from error
+    metadata: dict[str, Any] = reading.from_json(store.pop("metadata").tobytes())
+    written = metadata.pop("checksum", None)
+    if metadata["format"] > _FORMAT:
+        raise ValueError("it was written by a newer version")
+    if written is not None and written != _checksum(metadata, store):
+        raise ValueError("its checksum does not fit: it was changed or damaged after it was written")
+    metadata.pop("format")
+    for kind, (numbered, _) in _PREFIXES.items():
+        if f"{numbered}_names" in metadata:  # format 1
+            keys = {name: f"{numbered}_{k}" for k, name in enumerate(metadata.pop(f"{numbered}_names"))}
+        else:
+            keys = metadata.pop(f"{kind}_keys")
+        metadata[kind] = {name: _column(store, key) for name, key in keys.items()}
+    return {**metadata, "time": _column(store, "time"), "step_sizes": _column(store, "step_sizes")}
+
+
+def _column(store: Columns, key: str) -> NDArray[Any]:
+    """An array of numbers in one row."""
+    if store[key].ndim != 1 or store[key].dtype.kind not in "fiub":
+        raise ValueError(f"{key} is no row of numbers")
+    return store[key]
+
+
+def _checksum(described: Mapping[str, Any], arrays: Columns) -> str:
+    """SHA-256 of the metadata and of all arrays, in the order of their names."""
+    digest = hashlib.sha256(json.dumps(described, sort_keys=True).encode())
+    for name in sorted(arrays):
+        values = np.ascontiguousarray(arrays[name])
+        digest.update(f"\0{name}\0{values.dtype.str}{values.shape}\0".encode())
+        digest.update(values.data)
+    return digest.hexdigest()
+
+
+def shown(path: Place) -> str:
+    """The path, for messages."""
+    return os.fspath(path) if isinstance(path, str | os.PathLike) else "a stream"
 
 
 def _can_be_key(name: str) -> bool:

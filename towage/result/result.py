@@ -7,21 +7,21 @@ from __future__ import annotations
 
 import math
 import os
-import zipfile
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_type_hints
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.errors import TowageError, suggest
+from towage.errors import FileError, suggest
 from towage.result import frames, show
 from towage.result.csv_file import write_csv
 from towage.result.mat_file import write_mat
 from towage.result.netcdf_file import write_netcdf
-from towage.result.npz_file import read_npz, write_npz
+from towage.result.npz_file import Place, read_npz, shown, write_npz
 from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Item, Margin, Statistic, Verdict
 
 if TYPE_CHECKING:
@@ -41,7 +41,8 @@ class Result:
     ``one_way``: the same variables with the back reaction left out, on the same grid. ``coupling_error``: variable to
     estimated relative error. ``power_residual``: bond to relative energy residual. ``step_sizes``: accepted
     communication steps, s. ``flavours``: unit to ``python``, ``native`` or the tool that made its FMU.
-    ``response``: curve ``ratio``, ``amplitude``, point ``operating`` and ``label``.
+    ``provenance``: what it was computed from (`towage.scene.provenance`). ``response``: curve ``ratio``, ``amplitude``,
+    point ``operating`` and ``label``.
     """
 
     title: str
@@ -65,6 +66,7 @@ class Result:
     scene_source: str = ""
     flavours: dict[str, str] = field(default_factory=dict)
     response: dict[str, Any] | None = None
+    provenance: dict[str, Any] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
         """A column, shape (n,), SI, or ``time``. Raises KeyError with the nearest name."""
@@ -97,7 +99,7 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """Everything but the arrays, as finite JSON (NaN and infinity become null): events as counts per
         ``unit.name``, columns as their extremes with the times of these."""
-        plain = {name: value for name, value in self._metadata().items() if name not in ("scene_source", "response")}
+        plain = {name: value for name, value in self._metadata().items() if name not in _LONG}
         plain["events"] = dict(Counter(f"{event.unit}.{event.name}" for event in self.events))
         plain["samples"] = len(self.time)
         plain["start_time"], plain["end_time"] = (self.time[0], self.time[-1]) if len(self.time) else (None, None)
@@ -113,30 +115,39 @@ class Result:
         units = {"time": "s", **self.units, **{key: self.units.get(name, "") for key, name in second.items()}}
         return arrays, units
 
-    def save_npz(self, path: str | os.PathLike[str]) -> None:
-        """Everything, bit-exact; `load_npz` reads it back. Raises TowageError and keeps the earlier file if it cannot
-        be written (this holds for every writer here)."""
+    def save_npz(self, path: Place) -> None:
+        """Everything, bit-exact; `load_npz` reads it back; ``path`` may be an open stream. Raises TowageError and keeps the
+        earlier file if it cannot be written (this holds for every writer here)."""
         arrays = {"time": self.time, "step_sizes": self.step_sizes}
         series = {"columns": self.columns, "one_way": self.one_way}
-        write_npz(path, _plain(self._metadata(), finite=False), arrays, series)
+        write_npz(path, self.metadata(), arrays, series)
 
     @classmethod
-    def load_npz(cls, path: str | os.PathLike[str]) -> Result:
-        """Result written by `save_npz`. Raises TowageError if ``path`` is not one."""
+    def load_npz(cls, path: Place) -> Result:
+        """Result written by `save_npz`. Raises `FileError` if ``path`` is not one."""
         try:
-            values: dict[str, Any] = read_npz(path)
-            for kind, record in (("events", Event), ("checks", Finding), ("margins", Margin)):
-                values[kind] = [record(**each) for each in values[kind]]
-            said = values["verdict"]
-            said["items"] = tuple(Item(**each) for each in said.get("items", ()))
-            values["verdict"] = Verdict(**said)
-            if compared := values["comparison"]:
-                known = compared.get("statistics", {})
-                compared["statistics"] = {name: Statistic(**each) for name, each in known.items()}
-                values["comparison"] = Comparison(**compared)
-            return cls(**values)
-        except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
-            raise TowageError(f"{os.fspath(path)} is not a result of towage: {error}") from error
+            return cls._of(read_npz(path))
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise FileError(f"{shown(path)} is not a result of towage: {error}") from error
+
+    @classmethod
+    def from_metadata(cls, values: Mapping[str, Any]) -> Result:
+        """A result without rows, of what `metadata` gave. Raises `FileError` for anything else."""
+        try:
+            return cls._of({**values, "time": np.empty(0), "columns": {}})
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise FileError(f"what is said of the run cannot be read: {error}") from error
+
+    @classmethod
+    def _of(cls, values: dict[str, Any]) -> Result:
+        """Of plain values, whose types are looked at. Raises ValueError, KeyError, TypeError and AttributeError."""
+        said = {name: value for name, value in values.items() if name not in _ARRAYS}
+        for name in said:
+            if name not in _SAID:
+                raise ValueError(f"{name!r} is nothing that a result says")
+        typed = {name: msgspec.convert(value, _SAID[name]) for name, value in said.items()}
+        typed |= {name: said[name] for name, value in typed.items() if isinstance(value, dict)}  # whole numbers stay such
+        return cls(**typed, **{name: values[name] for name in _ARRAYS if name in values})
 
     def save_csv(self, path: str | os.PathLike[str]) -> None:
         """Header ``name [unit]``, one row a sample, shortest digits that read back exactly; UTF-8. Columns of the
@@ -192,12 +203,23 @@ class Result:
         """For notebooks: the verdict and the plots."""
         return show.html(self.about(), self.plot() if len(self.time) else None)
 
+    def metadata(self) -> dict[str, Any]:
+        """Everything but the arrays in terms of JSON, from which `from_metadata` makes a result without rows."""
+        plain: dict[str, Any] = _plain(self._metadata(), finite=False)
+        return plain
+
     def _metadata(self) -> dict[str, Any]:
-        arrays = ("time", "columns", "one_way", "step_sizes")
         records = {"events", "checks", "margins"}
-        values = {name: value for name, value in vars(self).items() if name not in arrays}
+        values = {name: value for name, value in vars(self).items() if name not in _ARRAYS}
         values |= {name: [vars(record) for record in values[name]] for name in records}
         return values | {"verdict": asdict(self.verdict), "comparison": self.comparison and asdict(self.comparison)}
+
+
+_LONG = ("scene_source", "response", "provenance")
+"""What a summary leaves out."""
+_ARRAYS = ("time", "columns", "one_way", "step_sizes")
+_SAID = {name: kind for name, kind in get_type_hints(Result).items() if name not in _ARRAYS}
+"""Everything but the arrays, with its type."""
 
 
 def _plain(value: Any, finite: bool) -> Any:

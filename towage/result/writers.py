@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,3 +24,12 @@ CSV = Writer("csv", "csv", Result.save_csv, "a column a variable, for spreadshee
 NPZ = Writer("npz", "npz", Result.save_npz, "everything, bit-exact, for towage report and numpy")
 NETCDF = Writer("nc", "nc", Result.save_netcdf, "netCDF 4 with units of measure and provenance, for xarray")
 MAT = Writer("mat", "mat", Result.save_mat, "MAT 5, for MATLAB and Octave")
+
+
+def write_files(result: Result, path: Path, writers: Sequence[Writer]) -> list[Path]:
+    """One file a writer; ``path`` has no suffix yet. Raises `TowageError`."""
+    files = []
+    for writer in writers:
+        files.append(path.with_name(f"{path.name}.{writer.suffix}"))
+        writer.write(result, files[-1])
+    return files

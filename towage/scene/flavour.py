@@ -21,7 +21,7 @@ from towage.registry import UNITS
 from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
 from towage.units.archive import read_description
-from towage.units.description import Description
+from towage.units.description import Description, is_own
 from towage.units.store import Structure, locator, native_place
 
 Flavour = Literal["auto", "python", "native"]
@@ -57,7 +57,7 @@ def _with_flavours(resolved: ResolvedScene, fmus: Path | None, flavour: Flavour,
 
 def flavour_of(description: Description) -> str:
     """``python`` or ``native`` for our own FMUs, else the tool that made it."""
-    if description.generation_tool.split(" ")[0] != "towage":
+    if not is_own(description):
         return description.generation_tool or "unknown tool"
     return "native" if description.can_interpolate_inputs else "python"  # which PythonFMU's bridge does not offer
 

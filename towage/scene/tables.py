@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import functools
 import re
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, get_type_hints
 
 import msgspec
 
+from towage import reading
 from towage.errors import SceneError, suggest
 from towage.fmus.declare.quantities import QuantityError, parse_quantity
 from towage.scene.parts import Seconds
@@ -22,11 +22,11 @@ _CONNECTION = re.compile(r"\s*([^.\s]+)\.(.+?)\s*->\s*([^.\s]+)\.(.+?)\s*")
 def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
     """(text, tables) of a TOML file. Raises `SceneError` where it cannot be read or is no TOML."""
     try:
-        text = path.read_text("utf-8")
-        return text, tomllib.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
+        text = reading.content(path, reading.MAX_TEXT).decode("utf-8")
+        return text, reading.toml(text)
+    except (OSError, UnicodeDecodeError, reading.Refused) as error:
         raise SceneError(f"cannot be read: {error}", file=path) from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except ValueError as error:
         raise SceneError(f"is not valid TOML: {error}", file=path) from error
 
 

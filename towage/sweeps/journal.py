@@ -1,7 +1,8 @@
 """The journal of a sweep: what it is of, then one line a finished run, written at once.
 
-Every line is JSON; numbers have the shortest digits that read back to the same bits. A kill loses the runs in flight and
-at most tears the last line, which the next reader drops. Of two lines of one run the first holds.
+Every line is JSON with a checksum (`towage.files.sealed`); numbers have the shortest digits that read back to the same bits.
+A kill loses the runs in flight and at most tears the last line, which the next reader drops. Of two lines of one run the
+first holds.
 """
 
 from __future__ import annotations
@@ -14,7 +15,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
-from towage.errors import TowageError
+import msgspec
+
+from towage.errors import FileError, TowageError
+from towage.files import sealed, unsealed
 from towage.sweeps.row import Row
 
 SYNC = 1.0
@@ -23,28 +27,32 @@ SHOWN = 8
 """Differences listed when a journal is refused."""
 
 
-class JournalError(TowageError):
-    """A journal that cannot be continued."""
+LONGEST_LINE = 1 << 24
+"""Of a line that is read, bytes: each may have the printed end of a crash, and the first the whole scene."""
 
-    exit_code = 2
+
+class JournalError(FileError):
+    """A journal that cannot be continued."""
 
 
 class Journal:
-    """The open journal at ``path``. ``identity``: everything that rows depend on. ``rows``: finished runs by index.
+    """The open journal at ``path``. ``identity``: everything that rows depend on. ``runs``: of the sweep. ``rows``: finished
+    runs by index.
 
     Raises `JournalError` if there is one already and ``resume`` is not set, if it is of another sweep (the differences
     are listed), damaged, or in use.
     """
 
-    def __init__(self, path: Path, identity: dict[str, Any], resume: bool) -> None:
+    def __init__(self, path: Path, identity: dict[str, Any], resume: bool, runs: int = 1 << 31) -> None:
         self.rows: dict[int, Row] = {}
+        self._runs = runs
         self.path = path
         if path.exists() and path.stat().st_size and not resume:
             raise JournalError(
                 f"{path.parent} holds a sweep already: continue it with --resume, or choose another --out"
             )
         try:
-            self._file: IO[bytes] = open(path, "a+b", buffering=0)  # noqa: SIM115
+            self._file: IO[bytes] = open(path, "a+b")  # noqa: SIM115
         except OSError as error:
             raise JournalError(f"cannot write {path}: {error.strerror}") from error
         try:
@@ -57,31 +65,39 @@ class Journal:
 
     def _begin(self, identity: dict[str, Any]) -> None:
         self._file.seek(0)
-        whole, _, torn = self._file.read().rpartition(b"\n")
-        if torn:
-            self._file.truncate(len(whole) + 1 if whole else 0)
-        lines = whole.split(b"\n") if whole else []
-        parsed = [self._parsed(line, number) for number, line in enumerate(lines, 1)]
-        if not parsed:
+        begun, number, end = False, 0, 0
+        while line := self._file.readline(LONGEST_LINE):
+            number += 1
+            if not line.endswith(b"\n"):
+                if len(line) == LONGEST_LINE:
+                    raise self._damaged(number)
+                self._file.truncate(end)  # torn by a kill
+                break
+            end += len(line)
+            if begun:
+                self._read(line, number)
+            else:
+                self._compare(self._parsed(line, number).get("sweep"), identity)
+                begun = True
+        if not begun:
             self._write({"sweep": identity})
-            return
-        self._compare(parsed[0].get("sweep"), identity)
-        for number, fields in enumerate(parsed[1:], 2):
-            try:
-                row = Row(**fields)
-            except TypeError:
-                raise self._damaged(number) from None
-            if row.status != "defect":  # of towage: done again, since it may be corrected by now
-                self.rows.setdefault(row.index, row)
+
+    def _read(self, line: bytes, number: int) -> None:
+        """Take a row in, if it is one of this sweep."""
+        try:
+            row = msgspec.convert(self._parsed(line, number), Row)
+        except msgspec.ValidationError:
+            raise self._damaged(number) from None
+        if not 0 <= row.index < self._runs:
+            raise self._damaged(number)
+        if row.status != "defect":  # of towage: done again, since it may be corrected by now
+            self.rows.setdefault(row.index, row)
 
     def _parsed(self, line: bytes, number: int) -> dict[str, Any]:
         try:
-            fields = json.loads(line)
-        except ValueError:
+            return unsealed(line)
+        except (ValueError, RecursionError):
             raise self._damaged(number) from None
-        if not isinstance(fields, dict):
-            raise self._damaged(number)
-        return fields
 
     def _damaged(self, number: int) -> JournalError:
         return JournalError(f"{self.path}: line {number} is damaged; delete it and its run is done again")
@@ -107,9 +123,9 @@ class Journal:
         self.rows[row.index] = row
 
     def _write(self, fields: dict[str, Any]) -> None:
-        line = json.dumps(fields).encode() + b"\n"
+        line = sealed(fields)
         try:
-            written = self._file.write(line)
+            written = self._file.raw.write(line)  # type: ignore[attr-defined]
         except OSError as error:
             raise TowageError(f"cannot write {self.path}: {error.strerror}; continue with --resume") from error
         if written != len(line):  # the disk became full in its middle: the next reader drops it

@@ -15,12 +15,15 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import msgspec
 
 from towage.errors import SceneError
+from towage.files import scratch
+from towage.process import stop
+from towage.process.child import NO_LIMITS
+from towage.process.overseer import Limits
 from towage.registry import UNITS
 from towage.scene.flavour import Flavour, resolve
 from towage.scene.resolve import described
@@ -45,13 +48,14 @@ class Sweep:
     """A scene without cases (`Scene.case` drops them) over a design.
 
     ``fmus``: directory of the shipped units' FMUs (None: built when needed). ``flavour``: which of them. ``timeout``:
-    longest time that a run may make no progress, s."""
+    longest time that a run may make no progress, s. ``limits``: of every run."""
 
     scene: Scene
     design: Design
     fmus: Path | None = None
     flavour: Flavour = "auto"
     timeout: float = 60.0
+    limits: Limits = NO_LIMITS
 
     def __post_init__(self) -> None:
         if self.scene.cases:
@@ -97,11 +101,11 @@ class Sweep:
         finished until then, or until Ctrl-C, is in the journal.
         """
         identity = self.identity()
-        setup = Setup(self.scene, self.fmus, identity["flavour"], self.timeout, identity["fmus"])
+        setup = Setup(self.scene, self.fmus, identity["flavour"], self.timeout, identity["fmus"], self.limits)
         with ExitStack() as stack:
-            kept = out or Path(stack.enter_context(TemporaryDirectory(prefix="towage-")))
-            journal = stack.enter_context(Journal(kept / JOURNAL, identity, resume))
+            kept = out or stack.enter_context(scratch())
             count = len(self.design.points)
+            journal = stack.enter_context(Journal(kept / JOURNAL, identity, resume, count))
             tasks = [Task(k, self.design.values(k)) for k in range(count) if k not in journal.rows]
             if dask and tasks:
                 from towage.sweeps.dask import run_on_dask
@@ -112,6 +116,7 @@ class Sweep:
             failed = sum(row.status != "done" for row in journal.rows.values())
             with closing(rows):  # type: ignore[type-var]
                 for row in rows:
+                    stop.look()
                     if row:
                         journal.append(row)
                         failed += row.status != "done"

@@ -8,13 +8,11 @@ The child is this module's `main`; the parent never loads a unit.
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import math
 import os
 import pickle
 import queue
 import sys
-import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,9 +20,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from towage.errors import RunError, TowageError
-from towage.process.child import Child, Died, Hung, Report, attend
+from towage.files import scratch
+from towage.process.child import NO_LIMITS, Child, Died, Hung, Report, attend
 from towage.process.mark import Mark
+from towage.process.overseer import Limits
 from towage.process.worker import named, watch
+from towage.reading import digest
 from towage.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -41,13 +42,14 @@ LOOK = 0.5
 
 class Setup(NamedTuple):
     """What all runs of a sweep share; ``scene`` has no cases. ``timeout``: longest run without progress, s. ``digests``:
-    of the FMUs that the sweep began with."""
+    of the FMUs that the sweep began with. ``limits``: of every run."""
 
     scene: Scene
     fmus: Path | None
     flavour: Flavour
     timeout: float
     digests: dict[str, str]
+    limits: Limits = NO_LIMITS
 
 
 def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]:
@@ -55,7 +57,7 @@ def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]
     from towage.scene.flavour import resolve
 
     units = resolve(scene, fmus, flavour).units
-    return {name: hashlib.sha256(unit.path.read_bytes()).hexdigest()[:16] for name, unit in units.items()}
+    return {name: digest(unit.path)[:16] for name, unit in units.items()}
 
 
 @dataclass(frozen=True)
@@ -104,9 +106,8 @@ class Worker:
         """A process that stands ready. Raises `TowageError` if none gets ready in `TRIES` attempts."""
         said = ""
         for _ in range(TRIES):
-            name = self._open.enter_context(tempfile.TemporaryDirectory(prefix="towage-", ignore_cleanup_errors=True))
-            self._directory = Path(name)
-            self._child = child = self._open.enter_context(Child(__name__))
+            self._directory = self._open.enter_context(scratch())
+            self._child = child = self._open.enter_context(Child(__name__, self._setup.limits))
             if self._stopped:
                 raise Stopped
             try:
@@ -136,7 +137,7 @@ class Worker:
         """From another thread: end the process, and the run that waits for it."""
         self._stopped = True
         if self._child:
-            self._child.process.kill()
+            self._child.end()
 
     def close(self) -> None:
         """End the process, if any; the next run starts another."""

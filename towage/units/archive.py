@@ -8,7 +8,7 @@ other FMI versions and interfaces, duplicate variables, and a binary that the lo
 from __future__ import annotations
 
 import functools
-import hashlib
+import mmap
 import re
 import shutil
 import stat
@@ -20,19 +20,19 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from xml.etree import ElementTree
 from xml.parsers import expat
 
+from towage import reading
 from towage.errors import FmuError
+from towage.files import scratch
 from towage.units import binary
 from towage.units.description import Description, DescriptionReader, InvalidDescription
 
 MAX_ENTRIES = 10_000
 MAX_UNPACKED = 512 * 2**20
-MAX_RATIO = 200
-RATIO_FLOOR = 16 * 2**20
-"""Bytes unpacked below which no ratio is a bomb."""
 MAX_XML = 64 * 2**20
+MAX_HELD = 64 * 2**20
+"""Of a library that is looked at in memory, bytes."""
 _DESCRIPTION = "modelDescription.xml"
 
 
@@ -66,7 +66,7 @@ def _read(path: Path, *stamp: int) -> Description:
 
 @functools.lru_cache(maxsize=64)
 def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
-    directory = root / hashlib.sha256(path.read_bytes()).hexdigest()[:32]
+    directory = root / reading.digest(path)[:32]
     extract(path, directory, replace=True)  # what is there under this name is the same or was damaged
     return directory
 
@@ -92,32 +92,40 @@ def extract(path: Path, directory: Path, replace: bool = False) -> None:
     with _opened(path) as archive:
         platform = check_platform(description := _describe(path, archive))
         entry = f"binaries/{platform}/{description.model_identifier}{binary.platform_name()[1]}"
-        if problem := binary.problem(archive.read(entry)):
+        if problem := _library_problem(archive, entry):
             raise FmuError(
                 f"not a loadable library: {problem}. Rebuild or download the FMU again", file=path, entry=entry
             )
         if _holds(directory, archive):
             return
         directory.parent.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
-        try:
-            _unpack(archive, scratch)
-            if not _placed(scratch, directory, archive, replace):
+        with scratch(f".{directory.name}-", directory.parent) as folder:
+            _unpack(archive, folder)
+            if not _placed(folder, directory, archive, replace):
                 raise FmuError(f"{directory} exists and holds something else: remove it", file=path)
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _placed(scratch: Path, directory: Path, archive: zipfile.ZipFile, replace: bool) -> bool:
-    """Whether ``directory`` holds the archive now: ``scratch`` under that name, or what another process put there."""
+def _library_problem(archive: zipfile.ZipFile, entry: str) -> str:
+    """What `binary.problem` says of an entry; a large one is looked at on disk, not in memory."""
+    if archive.getinfo(entry).file_size <= MAX_HELD:
+        return binary.problem(archive.read(entry))
+    with archive.open(entry) as packed, tempfile.TemporaryFile() as library:
+        shutil.copyfileobj(packed, library)
+        library.flush()
+        with mmap.mmap(library.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            return binary.problem(data)  # type: ignore[arg-type]
+
+
+def _placed(folder: Path, directory: Path, archive: zipfile.ZipFile, replace: bool) -> bool:
+    """Whether ``directory`` holds the archive now: ``folder`` under that name, or what another process put there."""
     for _ in range(1 + replace):
         with suppress(OSError):
-            scratch.rename(directory)
+            folder.rename(directory)
             return True
         if _holds(directory, archive):
             return True
         if replace:
-            with tempfile.TemporaryDirectory(prefix=scratch.name, dir=directory.parent) as aside, suppress(OSError):
+            with tempfile.TemporaryDirectory(prefix=folder.name, dir=directory.parent) as aside, suppress(OSError):
                 directory.rename(Path(aside, "old"))
     return False
 
@@ -126,9 +134,13 @@ def _placed(scratch: Path, directory: Path, archive: zipfile.ZipFile, replace: b
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
     """The archive, its names and sizes checked; whatever goes wrong while it is open becomes a ``FmuError``."""
     try:
+        reading.checked_file(path)
+        reading.check_directory(path)
         with zipfile.ZipFile(path) as archive:
             _check_entries(path, archive)
             yield archive
+    except reading.Refused as refused:
+        raise FmuError(str(refused), file=path) from None
     except FileNotFoundError:
         raise FmuError("there is no such file", file=path) from None
     except (zipfile.BadZipFile, zlib.error, EOFError, struct.error, NotImplementedError, ValueError) as error:
@@ -145,7 +157,7 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
         raise FmuError(f"{len(entries)} entries, more than {MAX_ENTRIES}: refused as a bomb", file=path)
     if unpacked > MAX_UNPACKED:
         raise FmuError(f"{unpacked / 2**20:.0f} MB unpacked, over {MAX_UNPACKED >> 20}: refused as a bomb", file=path)
-    if unpacked > RATIO_FLOOR and unpacked > MAX_RATIO * packed:
+    if unpacked > reading.RATIO_FLOOR and unpacked > reading.MAX_RATIO * packed:
         raise FmuError(f"unpacks to {unpacked / packed:.0f} times its size: refused as a bomb", file=path)
     spelled: dict[str, tuple[str, bool]] = {}
     listed: set[str] = set()
@@ -202,28 +214,18 @@ def _holds(directory: Path, archive: zipfile.ZipFile) -> bool:
             continue
         if place.is_symlink() or not place.is_file() or place.stat().st_size != entry.file_size:
             return False
-        if zlib.crc32(place.read_bytes()) != entry.CRC:
+        if _crc(place) != entry.CRC:
             return False
     return True
 
 
-def _parse(path: Path, data: bytes) -> ElementTree.Element:
-    """The root element; a DOCTYPE is refused before any entity of it is looked at."""
-
-    def refuse(*_: object) -> None:
-        """Called at a DOCTYPE."""
-        raise FmuError("contains a DOCTYPE, which FMI does not need: refused", file=path, entry=_DESCRIPTION)
-
-    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
-    parser.buffer_text = True
-    parser.StartDoctypeDeclHandler = refuse
-    parser.StartElementHandler = builder.start
-    parser.EndElementHandler = builder.end
-    try:
-        parser.Parse(data, True)
-        return builder.close()
-    except (expat.ExpatError, ValueError, LookupError, AssertionError) as error:
-        raise FmuError(f"is not well-formed XML: {error}", file=path, entry=_DESCRIPTION) from error
+def _crc(path: Path) -> int:
+    """CRC-32 of a file, which is not taken into memory."""
+    code = 0
+    with open(path, "rb") as file:
+        while data := file.read(1 << 20):
+            code = zlib.crc32(data, code)
+    return code
 
 
 def _describe(path: Path, archive: zipfile.ZipFile) -> Description:
@@ -233,8 +235,11 @@ def _describe(path: Path, archive: zipfile.ZipFile) -> Description:
         raise FmuError(f"no {_DESCRIPTION} at the top of the archive: is it an FMU?", file=path)
     if archive.getinfo(_DESCRIPTION).file_size > MAX_XML:
         raise FmuError(f"larger than {MAX_XML >> 20} MB", file=path, entry=_DESCRIPTION)
-    root = _parse(path, archive.read(_DESCRIPTION))
     try:
+        with archive.open(_DESCRIPTION) as stream:
+            root = reading.xml(stream)
         return DescriptionReader(root).description(path, names)
-    except InvalidDescription as error:
+    except (InvalidDescription, reading.Refused) as error:
         raise FmuError(str(error), file=path, entry=_DESCRIPTION) from None
+    except (expat.ExpatError, ValueError, LookupError, AssertionError) as error:
+        raise FmuError(f"is not well-formed XML: {error}", file=path, entry=_DESCRIPTION) from error

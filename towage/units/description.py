@@ -17,6 +17,8 @@ _INITIAL = {"parameter": "exact", "calculatedParameter": "calculated", "input": 
 T = TypeVar("T")
 Value = float | int | bool | str
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
+LONGEST_NAME = 1000
+"""Letters of the name of a variable: names go into messages, headers and the legends of diagrams."""
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
 VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
 _KINDS: dict[str, Kind] = {k: k for k in ("Real", "Integer", "Boolean", "String", "Enumeration")}
@@ -92,6 +94,11 @@ class Description(msgspec.Struct, frozen=True):
     def by_name(self) -> dict[str, Variable]:
         """The variables under their names."""
         return {variable.name: variable for variable in self.variables}
+
+
+def is_own(description: Description) -> bool:
+    """Whether the FMU is one of towage's own, by what it says of itself."""
+    return description.generation_tool.split(" ")[0] == "towage"
 
 
 class InvalidDescription(Exception):
@@ -204,6 +211,8 @@ class DescriptionReader:
         name = element.get("name", "")
         kinds = [child for child in element if child.tag in _KINDS]
         reference = _number(element, "valueReference", int)
+        if len(name) > LONGEST_NAME:
+            raise InvalidDescription(f"a variable's name has {len(name)} letters, more than {LONGEST_NAME}: refused")
         if not name or reference is None or not 0 <= reference < 2**32 or len(kinds) != 1:
             raise InvalidDescription(
                 f"variable {name!r} needs a name, a value reference from 0 to 2^32 - 1 and exactly one type"

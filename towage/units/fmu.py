@@ -160,6 +160,27 @@ class Unit:
         if status:
             self._check(status, "restoring the state", time)
 
+    def frozen(self, time: float) -> bytes:
+        """The present state, as it may be stored. Raises `RunError`."""
+        state = c_void_p()
+        try:
+            self._check(self.instance.get_state(self.instance.component, byref(state)), "saving the state", time)
+            status, data = self.instance.serialized(state)
+            self._check(status, "serialising the state", time)
+            return data
+        finally:
+            self.instance.free_state(self.instance.component, byref(state))
+
+    def thaw(self, data: bytes, time: float) -> None:
+        """Go to a state that `frozen` gave. Raises `RunError`."""
+        state = c_void_p()
+        try:
+            status = self.instance.deserialize(self.instance.component, data, len(data), byref(state))
+            self._check(status, "deserialising the state", time)
+            self._check(self.instance.set_state(self.instance.component, state), "restoring the state", time)
+        finally:
+            self.instance.free_state(self.instance.component, byref(state))
+
     def forget(self) -> None:
         """Free the saved state."""
         if self._state.value is not None:

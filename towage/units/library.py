@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping
-from ctypes import CDLL, byref, c_double, c_int, c_size_t, c_void_p
+from ctypes import CDLL, byref, c_char_p, c_double, c_int, c_size_t, c_void_p, create_string_buffer
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +24,15 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 
 from towage.errors import FmuError, RunError
-from towage.units.description import Description, Value, Variable
+from towage.units.description import Description, Value, Variable, is_own
+from towage.units.surroundings import Surroundings
 
 _LOGS: dict[int, list[str]] = {}
 """The messages of every living instance, by the environment that it hands to the logger."""
 MAX_MESSAGES = 1000
+_GUARDED = (
+    "set_real", "get_real", "set_derivatives", "get_derivatives", "do_step", "get_state", "set_state", "free_state", "deserialize"
+)  # fmt: skip
 
 
 def _log(environment: int | None, instance: Any, status: int, category: Any, message: bytes | None) -> None:
@@ -46,7 +50,8 @@ class Instance:
 
     ``component`` is its address, the first argument of every function: ``set_real``, ``get_real``, ``set_derivatives``,
     ``get_derivatives``, ``do_step``, ``get_state``, ``set_state`` and ``free_state``, which return FMI's status. What the
-    instance logs is in ``messages``. ``dead``: it must not be called any more.
+    instance logs is in ``messages``. ``dead``: it must not be called any more. ``meddled``: what the instance, of another
+    make, changed of the process, and was set back.
 
     Raises `FmuError` if the library cannot be loaded, `RunError` if the instance cannot be made.
     """
@@ -55,6 +60,8 @@ class Instance:
         self.name = name
         self.messages: list[str] = []
         self.dead = False
+        self.meddled: dict[str, None] = {}
+        self._surroundings = None if is_own(description) else Surroundings()
         try:
             self._slave = FMU2Slave(
                 guid=description.guid,
@@ -72,6 +79,8 @@ class Instance:
             self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
             raise RunError(f"could not be instantiated: {self.last_message or error}", unit=name) from error
+        finally:
+            self._set_back()
         self.component: int = self._slave.component
         dll = self._slave.dll
         self.set_real = _function(dll, "SetReal", c_void_p, c_void_p, c_size_t, c_void_p)
@@ -83,6 +92,27 @@ class Instance:
         self.get_state = _function(dll, "GetFMUstate", c_void_p, c_void_p)
         self.set_state = _function(dll, "SetFMUstate", c_void_p, c_void_p)
         self.free_state = _function(dll, "FreeFMUstate", c_void_p, c_void_p)
+        self._serialized_size = _function(dll, "SerializedFMUstateSize", c_void_p, c_void_p, c_void_p)
+        self._serialize = _function(dll, "SerializeFMUstate", c_void_p, c_void_p, c_char_p, c_size_t)
+        self.deserialize = _function(dll, "DeSerializeFMUstate", c_void_p, c_char_p, c_size_t, c_void_p)
+        if self._surroundings:
+            for function in _GUARDED:
+                setattr(self, function, self._surroundings.guarded(getattr(self, function), self._note))
+
+    def serialized(self, state: c_void_p) -> tuple[int, bytes]:
+        """(FMI's status, the bytes of a saved state)."""
+        size = c_size_t()
+        if status := self._serialized_size(self.component, state, byref(size)):
+            return status, b""
+        buffer = create_string_buffer(size.value)
+        return self._serialize(self.component, state, buffer, size.value), buffer.raw
+
+    def _note(self, said: list[str]) -> None:
+        self.meddled |= dict.fromkeys(said)
+
+    def _set_back(self) -> None:
+        if self._surroundings:
+            self._note(self._surroundings.restore())
 
     def _functions_of_the_host(self) -> fmi2CallbackFunctions:
         """What the instance may call: logger and memory."""
@@ -119,6 +149,8 @@ class Instance:
             self.dead = "fatal" in str(error)
             said = self.last_message or error
             raise RunError(f"{stage} failed: {said}", unit=self.name, time=time) from error
+        finally:
+            self._set_back()
 
     def real(self, reference: int) -> float:
         """The value of a Real variable."""
@@ -131,6 +163,7 @@ class Instance:
                 self._slave.terminate()
             self._slave.freeInstance()
             self.dead = True
+            self._set_back()
         _LOGS.pop(id(self.messages), None)
 
 

@@ -24,9 +24,13 @@ Structure = Mapping[str, float]
 
 
 def cache() -> Path:
-    """The cache directory."""
-    chosen = os.environ.get("TOWAGE_CACHE")
-    return Path(chosen) if chosen else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "towage"
+    """The cache directory. Raises `FmuError` where none is named and there is no home directory."""
+    if chosen := os.environ.get("TOWAGE_CACHE"):
+        return Path(chosen).absolute()
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "towage"
+    except RuntimeError:
+        raise FmuError("there is no home directory to build and unpack FMUs in: TOWAGE_CACHE may name a place") from None
 
 
 def locator(directory: Path | None = None) -> Locate:

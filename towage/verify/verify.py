@@ -14,7 +14,6 @@ values are wanted and which point of a periodic orbit they refer to.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from towage import reading
 from towage.errors import SceneError
 from towage.verify import cable as verify_cable
 from towage.verify import cradle as verify_cradle
@@ -56,11 +56,7 @@ def verify(path: Path | None = None) -> list[CaseResult]:
     """Every case of ``path``, or of the project's own copies. Raises `SceneError` for a file that cannot be
     read or holds no cases."""
     if path is not None:
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise SceneError(f"cannot be read as text: {error}", file=Path(path)) from error
-        return [check(case) for case in _cases(text, Path(path))]
+        return [check(case) for case in cases(Path(path))]
     results = []
     for name in OWN_FILES:
         text = (files("towage") / "reference" / name).read_text(encoding="utf-8")
@@ -68,9 +64,18 @@ def verify(path: Path | None = None) -> list[CaseResult]:
     return results
 
 
+def cases(path: Path) -> list[Mapping[str, Any]]:
+    """The cases of a file, as they stand there. Raises `SceneError` for a file that cannot be read or holds no cases."""
+    try:
+        text = reading.content(path, reading.MAX_JSON).decode()
+    except (OSError, UnicodeDecodeError, reading.Refused) as error:
+        raise SceneError(f"cannot be read as text: {error}", file=path) from error
+    return _cases(text, path)
+
+
 def _cases(text: str, file: Path) -> list[Mapping[str, Any]]:
     try:
-        content = json.loads(text)
+        content = reading.from_json(text.encode())
     except ValueError as error:
         raise SceneError(f"not JSON: {error}", file=file) from error
     if not isinstance(content, dict) or not isinstance(content.get("cases"), list):

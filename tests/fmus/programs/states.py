@@ -141,7 +141,9 @@ def check_foreign_bytes_are_refused(fmu):
     it.free()
     own = fmu.ready(fmu.start)
     good = own.serialize(own.get_state())
-    for text in (foreign, b"", b"\xff\x00", b"[]", b"null", good[:-1], good + good, good[1:]):
+    flips = [(place, 1 << place % 8) for place in range(0, len(good), max(1, len(good) // 12))]
+    changed = [good[:place] + bytes([good[place] ^ bit]) + good[place + 1 :] for place, bit in flips]
+    for text in (foreign, b"", b"\xff\x00", b"[]", b"null", good[:-1], good + good, good[1:], *changed):
         it = fmu.ready(fmu.start)
         assert it.set_state_of(text) == fmu.refusal, text
         assert f"not a state of {fmu.name}" in it.messages[-1][2], it.messages

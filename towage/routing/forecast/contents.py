@@ -17,9 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from towage import reading
 from towage.errors import SceneError
 
 Array = NDArray[np.float64]
+MOST_VALUES = 64_000_000
+"""Of a variable, unpacked."""
 
 
 @dataclass(frozen=True)
@@ -64,9 +67,11 @@ def opened(path: Path, notes: list[str]) -> Iterator[list[Contents]]:
     from netCDF4 import Dataset
 
     try:
-        data = Dataset(path)
-    except (OSError, RuntimeError) as error:
-        raise SceneError(f"is not a readable netCDF file: {error}", file=path) from error
+        with reading.foreign(path, "netCDF file"):
+            data = Dataset(path)
+            reading.limited(max((each.size for each in data.variables.values()), default=0), MOST_VALUES, "values")
+    except reading.Refused as refused:
+        raise SceneError(str(refused), file=path) from refused
     with data, warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         group = {name: _netcdf(path, name, each) for name, each in data.variables.items() if _numeric(each.dtype)}
@@ -84,9 +89,10 @@ def _numeric(dtype: Any) -> bool:
 def _netcdf(path: Path, name: str, variable: Any) -> Variable:
     def load() -> Array:
         try:
-            return _plain(variable[...])
-        except (OSError, RuntimeError, ValueError, TypeError, IndexError) as error:
-            raise SceneError(f"{name}: cannot be read: {error}", file=path) from error
+            with reading.foreign(path, "netCDF file"):
+                return _plain(variable[...])
+        except reading.Refused as refused:
+            raise SceneError(f"{name}: {refused}", file=path) from refused
 
     attributes = {key: variable.getncattr(key) for key in variable.ncattrs()}
     return Variable(path, name, tuple(variable.dimensions), tuple(variable.shape), attributes, load)
@@ -108,11 +114,11 @@ def _grib(path: Path) -> list[Contents]:
     except (ImportError, RuntimeError) as error:
         raise SceneError(f"is a GRIB file; to read it: pip install 'towage[grib]' ({error})", file=path) from error
     try:
-        with warnings.catch_warnings():
+        with reading.foreign(path, "GRIB file"), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of xarray's future defaults, which cfgrib relies on
             sets = cfgrib.open_datasets(str(path), backend_kwargs={"indexpath": ""}, decode_times=False)
-    except (ValueError, OSError, EOFError, KeyError) as error:
-        raise SceneError(f"is not a readable GRIB file: {error}", file=path) from error
+    except reading.Refused as refused:
+        raise SceneError(str(refused), file=path) from refused
     groups = []
     for data in sets:
         numeric = {str(name): column for name, column in data.variables.items() if np.issubdtype(column.dtype, np.number)}

@@ -223,7 +223,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate stat
 {
     Component *c = component;
     NEEDS(state && size);
-    *size = instance_state_size(c->it);
+    *size = instance_serialized_size(instance_state_size(c->it));
     return fmi2OK;
 }
 
@@ -231,9 +231,9 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
 {
     Component *c = component;
     NEEDS(state && bytes);
-    if (size < instance_state_size(c->it))
-        return fmi2_decline(c, "room for %zu bytes of a state, expected %zu", size, instance_state_size(c->it));
-    memcpy(bytes, state, instance_state_size(c->it));
+    const size_t block = instance_state_size(c->it), needed = instance_serialized_size(block);
+    if (size < needed) return fmi2_decline(c, "room for %zu bytes of a state, expected %zu", size, needed);
+    instance_serialize(state, block, bytes);
     return fmi2OK;
 }
 
@@ -241,10 +241,13 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
 {
     Component *c = component;
     NEEDS(bytes && state);
-    if (size != instance_state_size(c->it)) /* of the right size but another unit's: refused when it is set */
-        return fmi2_decline(c, "%zu bytes are not a state of %s: expected %zu", size, towage_unit.name,
-                            instance_state_size(c->it));
-    const fmi2Status status = make_room(c, state);
-    if (status == fmi2OK) memcpy(*state, bytes, size);
+    const size_t needed = instance_serialized_size(instance_state_size(c->it));
+    if (size != needed) /* of the right size but another unit's: refused when it is set */
+        return fmi2_decline(c, "%zu bytes are not a state of %s: expected %zu", size, towage_unit.name, needed);
+    const bool made = !*state;
+    fmi2Status status = make_room(c, state);
+    if (status != fmi2OK) return status;
+    status = fmi2_report(c, instance_deserialize(c->it, bytes, size, *state));
+    if (status != fmi2OK && made) fmi2FreeFMUstate(component, state);
     return status;
 }

@@ -187,7 +187,7 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
 {
     if (!instance) return fmi3Error;
     NEEDS(state && size);
-    *size = ((Head *)state)->size;
+    *size = instance_serialized_size(((Head *)state)->size);
     return fmi3OK;
 }
 
@@ -195,10 +195,11 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3
 {
     if (!instance) return fmi3Error;
     NEEDS(state && bytes);
-    if (size != ((Head *)state)->size)
+    const size_t held = ((Head *)state)->size, needed = instance_serialized_size(held);
+    if (size != needed)
         return fmi3_decline(instance, fmi3Error, "%lu bytes for a state, expected %lu", (unsigned long)size,
-                            (unsigned long)((Head *)state)->size);
-    memcpy(bytes, block(state), size);
+                            (unsigned long)needed);
+    instance_serialize(block(state), held, bytes);
     return fmi3OK;
 }
 
@@ -207,7 +208,12 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[]
 {
     if (!instance) return fmi3Error;
     NEEDS(bytes && state);
-    if (!room(instance, state, size)) return fmi3Fatal;
-    memcpy(block(*state), bytes, size);
-    return fmi3OK;
+    Component *c = instance;
+    const size_t least = instance_serialized_size(0);
+    if (size < least) return fmi3_decline(instance, fmi3Error, "%lu bytes are no state", (unsigned long)size);
+    const bool made = !*state;
+    if (!room(instance, state, size - least)) return fmi3Fatal;
+    const Outcome outcome = instance_deserialize(c->it, bytes, size, block(*state));
+    if (outcome != DONE && made) fmi3FreeFMUState(instance, state);
+    return fmi3_report(c, outcome);
 }

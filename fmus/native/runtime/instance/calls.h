@@ -33,6 +33,10 @@ Outcome instance_directional_derivative(Instance *, const unsigned *unknowns, si
 size_t instance_state_size(const Instance *);
 Outcome instance_save(Instance *, void *block);
 Outcome instance_restore(Instance *, const void *block, size_t size);
+/* The same as it may be stored: a block and its checksum, so that no number that was changed comes back. */
+size_t instance_serialized_size(size_t block_size);
+void instance_serialize(const void *block, size_t block_size, void *bytes);
+Outcome instance_deserialize(Instance *, const void *bytes, size_t size, void *block);
 
 /* Model exchange. The continuous state is that of the unreduced model. */
 Outcome instance_set_time(Instance *, double time);

@@ -15,12 +15,18 @@ typedef struct {
     int32_t phase, touched, stale, continuous;
 } Head;
 
-/* FNV-1a over the unit's token and the kind of instance: a block of another build, or of the other kind, is refused. */
-static uint64_t identity(const Instance *it)
+/* FNV-1a. */
+static uint64_t hashed(const void *bytes, size_t size)
 {
     uint64_t hash = 14695981039346656037u;
-    for (const char *c = it->unit->token; *c; c++) hash = (hash ^ (unsigned char)*c) * 1099511628211u;
-    return (hash ^ (uint64_t)it->kind) * 1099511628211u;
+    for (const unsigned char *c = bytes; size > 0; c++, size--) hash = (hash ^ *c) * 1099511628211u;
+    return hash;
+}
+
+/* Of the unit's token and the kind of instance: a block of another build, or of the other kind, is refused. */
+static uint64_t identity(const Instance *it)
+{
+    return (hashed(it->unit->token, strlen(it->unit->token)) ^ (uint64_t)it->kind) * 1099511628211u;
 }
 
 typedef struct {
@@ -66,7 +72,28 @@ Outcome instance_save(Instance *it, void *block)
     return DONE;
 }
 
-/* Damage is not always seen, but no number that is not finite comes in. */
+size_t instance_serialized_size(size_t block_size) { return block_size + sizeof(uint64_t); }
+
+void instance_serialize(const void *block, size_t block_size, void *bytes)
+{
+    const uint64_t hash = hashed(block, block_size);
+    memcpy(bytes, block, block_size);
+    memcpy((char *)bytes + block_size, &hash, sizeof hash);
+}
+
+/* Whose state it is, is seen when it is set. */
+Outcome instance_deserialize(Instance *it, const void *bytes, size_t size, void *block)
+{
+    const size_t block_size = size - sizeof(uint64_t);
+    uint64_t hash;
+    memcpy(&hash, (const char *)bytes + block_size, sizeof hash);
+    if (hash != hashed(bytes, block_size))
+        return refuse(it, REFUSED, "this is not a state of %s: its checksum does not fit", it->unit->name);
+    memcpy(block, bytes, block_size);
+    return DONE;
+}
+
+/* Where a host changes a block in memory, no number that is not finite comes in. */
 static bool finite_numbers(const char *from, size_t size)
 {
     for (double number; size > 0; size -= sizeof number, from += sizeof number) {

@@ -1,0 +1,205 @@
+"""The doors of towage, and sound inputs for each of them (`tests.faults.fuzz`)."""
+
+from __future__ import annotations
+
+import ctypes
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tests.faults import boxes
+from towage.commands.common import setting
+from towage.errors import FmuError
+from towage.files import sealed
+from towage.master.outcome import recovered
+from towage.report.page import text_summary
+from towage.result.journal import Journal, read_at
+from towage.result.records import Event, Finding, Margin, Verdict
+from towage.result.result import Result
+from towage.routing import file as routes
+from towage.scene.resolve import check_all
+from towage.scene.scene import SHIPPED, Scene
+from towage.sweeps.journal import Journal as SweepJournal
+from towage.sweeps.row import Row
+from towage.units.archive import extract, read_description
+from towage.units.fmu import Unit
+from towage.units.store import locator
+from towage.units.wiring import Wanted
+from towage.verify.verify import cases
+
+SCENES = ("slack", "docking", "sea_cliff")
+ROUTE = """title = "Forecast"
+[map]
+kind = "sphere"
+[route]
+start = ["45 deg", "-50 deg"]
+end = ["48 deg", "-10 deg"]
+[ship]
+speed = "19.3 kn"
+[sea]
+kind = "file"
+file = "input.nc"
+"""
+
+
+def doors(folder: Path, door: Callable[[str, str, list[bytes], Callable[[Path], object]], Any]) -> list[Any]:
+    """All of them; seeds are made in ``folder``."""
+    scenes = [(SHIPPED / f"{name}.toml").read_bytes() for name in SCENES]
+    shipped = [path.read_bytes() for path in sorted((SHIPPED.parent / "routes").glob("*.toml"))]
+    result, journal, sweep = folder / "seed.npz", folder / "seed.journal", folder / "seed.jsonl"
+    _result().save_npz(result)
+    _journal(journal)
+    with SweepJournal(sweep, {"scene": {"title": "a"}}, False) as rows:
+        for k in range(5):
+            rows.append(Row(k, "done", "valid", "", {"x": k / 3}))
+    box = boxes.build(folder / "seed.fmu", resources__noise=bytes(range(256)))
+    metadata = json.dumps(json.loads(np.load(result)["metadata"].tobytes()) | {"checksum": None}).encode()
+    reference = json.dumps(
+        {"cases": json.loads((SHIPPED.parent / "reference" / "cradle.json").read_text())["cases"][:2]}
+    )
+    return [
+        door("scene", ".toml", scenes, lambda path: check_all(Scene.load(path), locator())),
+        door("route", ".toml", shipped, routes.load),
+        door("setting", ".txt", [b"ship.heave_period='8 s'", b"coupling.step=[1, 2.5e-3]", b"a.b=true"], _setting),
+        door("archive", ".fmu", [box.read_bytes()], _archive),
+        door("description", ".xml", [boxes.xml().encode()], _description),
+        door("result", ".npz", [result.read_bytes()], lambda path: text_summary(Result.load_npz(path))),
+        door("metadata", ".json", [metadata], _metadata),
+        door("journal", ".journal", [journal.read_bytes()], lambda path: text_summary(recovered(read_at(path), ""))),
+        door("about", ".json", [json.dumps(_result().metadata()).encode()], _about),
+        door("sweep", ".jsonl", [sweep.read_bytes()], _sweep),
+        door("reference", ".json", [reference.encode()], cases),
+        door("forecast", ".nc", [_forecast(folder / "seed.nc")], _route_over),
+        door("state", ".state", _states(), _state),
+    ]
+
+
+def _result() -> Result:
+    time = np.arange(20.0)
+    return Result(
+        "A run", "8 s wave", "hermite", "done", "", time, {"a.x": np.sin(time), "a.y": time}, {"a.x": "m", "a.y": "N"},
+        one_way={"a.x": np.cos(time)}, events=[Event(1.5, "a", "slack", -1)], step_sizes=np.ones(19),
+        checks=[Finding("step", "ok", 0.1, 0.2, "is short enough", "none")], margins=[Margin("a.margin_taut", 0.4, 3.0, True)],
+        verdict=Verdict("valid", "all of it", 0.1, 0.5), statistics={"steps": 19.0, "wall_s": 0.1, "real_time_factor": 190.0},
+        scene_source='title = "A run"\n', flavours={"a": "native"}, coupling_error={"a.x": 1e-3},
+    )  # fmt: skip
+
+
+def _journal(path: Path) -> None:
+    journal = Journal(path, ["a.x", "a.y"], _result().metadata())
+    for k in range(20):
+        journal.row(np.array([k, np.sin(k), k], dtype=float).tobytes(), k % 3 > 0)
+    journal.event(Event(1.5, "a", "slack", -1))
+    journal.close()
+
+
+def _setting(path: Path) -> None:
+    import argparse
+
+    try:
+        setting(path.read_text("utf-8", "replace"))
+    except argparse.ArgumentTypeError as error:
+        raise FmuError(str(error)) from error  # which argparse makes exit code 2
+
+
+def _archive(path: Path) -> None:
+    read_description(path)
+    extract(path, path.parent / "unpacked", replace=True)
+
+
+def _description(path: Path) -> None:
+    read_description(boxes.build(path.with_suffix(".fmu"), path.read_bytes()))
+
+
+def _metadata(path: Path) -> None:
+    """What a result says, with sound arrays and without a checksum."""
+    stored = {"time": np.arange(20.0), "step_sizes": np.ones(19), "a.x": np.ones(20), "a.y": np.ones(20)}
+    stream = io.BytesIO()
+    np.savez(stream, metadata=np.frombuffer(path.read_bytes(), np.uint8), **stored, **{"one_way:a.x": np.ones(20)})
+    text_summary(Result.load_npz(io.BytesIO(stream.getvalue())))
+
+
+def _about(path: Path) -> None:
+    """The head of a journal whose checksum fits."""
+    try:
+        about = json.loads(path.read_bytes())
+    except (ValueError, RecursionError):
+        about = path.read_bytes().decode("latin-1")
+    path.write_bytes(sealed({"journal": 1, "names": ["a.x"], "about": about}))
+    text_summary(recovered(read_at(path), ""))
+
+
+def _sweep(path: Path) -> None:
+    with SweepJournal(path, {"scene": {"title": "a"}}, True, 5):
+        pass
+
+
+def _forecast(path: Path) -> bytes:
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as out:
+        for name, values, unit in (
+            ("time", np.arange(0.0, 25.0, 12.0), "hours since 2020-01-05 00:00:00"),
+            ("latitude", np.arange(60.0, 29.0, -5.0), "degrees"), ("longitude", np.arange(-60.0, 1.0, 5.0), "degrees"),
+        ):  # fmt: skip
+            out.createDimension(name, len(values))
+            variable = out.createVariable(name, "d", (name,))
+            variable[:] = values
+            variable.units = unit
+        for name, value in (("swh", 3.0), ("mwd", 270.0), ("pp1d", 9.0)):
+            out.createVariable(name, "d", ("time", "latitude", "longitude"))[:] = np.full((3, 7, 13), value)
+    return path.read_bytes()
+
+
+def _route_over(path: Path) -> None:
+    route = path.with_name("route.toml")
+    route.write_text(ROUTE, "utf-8")
+    routes.load(route)
+
+
+_UNITS: dict[bytes, Unit] = {}
+"""Units whose states are offered, by the seed."""
+
+
+def _unit(place: Path) -> Unit:
+    from towage.units.archive import unpacked
+    from towage.units.store import cache
+
+    description = read_description(place)
+    unit = Unit("it", description, unpacked(place, cache() / "unpacked"), Wanted([], [], [], cubic=False))
+    unit.start({}, 0.0, 10.0)
+    return unit
+
+
+def _states() -> list[bytes]:
+    """Of a unit in both flavours."""
+    from towage.fmus.native.build import build
+    from towage.units.store import native_place
+
+    place = native_place("ship", {})
+    for path in (locator()("ship"), place if place.is_file() else build("ship", place.parent)[0]):
+        unit = _unit(path)
+        _UNITS[unit.frozen(0.0)] = unit
+    return list(_UNITS)
+
+
+def _state(path: Path) -> None:
+    """A state that was changed is refused by the units of both flavours."""
+    data, taken = path.read_bytes(), False
+    for seed, unit in _UNITS.items():
+        state = ctypes.c_void_p()
+        instance = unit.instance
+        status = instance.deserialize(instance.component, data, len(data), ctypes.byref(state))
+        status = status or instance.set_state(instance.component, state)
+        taken = taken or not status
+        if not status and data != seed:
+            raise AssertionError("a changed state was taken")
+        if status >= 3:  # an instance that says so takes nothing any more
+            instance._slave.reset()
+            unit.start({}, 0.0, 10.0)
+    if not taken:
+        raise FmuError("this is no state of either")

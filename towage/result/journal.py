@@ -1,0 +1,160 @@
+"""The journal of a run: what it is of, then every communication point and event, on disk at once.
+
+A line (`towage.files.sealed`) tells names and all that a result says before its rows. Then frames follow: a tag, the
+content, its CRC-32. ``R``: a row (time in s, then a double a name) that the scene records, ``r``: one that serves
+comparisons alone, ``E``: an event, as its length in 4 bytes and JSON. A row that is recorded is handed to the operating
+system at once, so that a kill loses nothing before it; a loss of power may lose what the disk had not been given.
+Reading ends at the first frame that is cut or damaged.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from array import array
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from towage.errors import FileError
+from towage.files import sealed, unsealed
+from towage.result.records import Event
+
+FORMAT = 1
+LONGEST_HEAD = 1 << 24
+"""Bytes of the first line that are looked at."""
+Array = NDArray[np.float64]
+
+
+class Journal:
+    """A journal that is written, at ``path``. ``names``: unit.variable, in the order of the values of a row; ``about``:
+    `towage.result.result.Result.metadata`, None for a
+    journal that is gone on with. A disk that becomes full costs the journal, not the run."""
+
+    def __init__(self, path: Path, names: Sequence[str], about: Mapping[str, Any] | None = None) -> None:
+        self._waiting = bytearray()
+        self._file: IO[bytes] | None = open(path, "ab" if about is None else "wb", buffering=0)  # noqa: SIM115
+        if about is not None:
+            self._put(sealed({"journal": FORMAT, "names": list(names), "about": about}))
+
+    def row(self, row: bytes, recorded: bool) -> None:
+        """Keep a row; one that is not recorded waits for the next that is."""
+        frame = b"".join((b"R" if recorded else b"r", row, zlib.crc32(row).to_bytes(4, "little")))
+        if not recorded:
+            self._waiting += frame
+            return
+        if self._waiting:
+            frame = bytes(self._waiting) + frame
+            self._waiting.clear()
+        self._put(frame)
+
+    def event(self, event: Event) -> None:
+        """Keep an event."""
+        text = json.dumps(vars(event)).encode()
+        head = len(text).to_bytes(4, "little")
+        self._waiting += b"".join((b"E", head, text, zlib.crc32(text).to_bytes(4, "little")))
+        self._put(bytes(self._waiting))
+        self._waiting.clear()
+
+    def size(self) -> int:
+        """Bytes of the file, with all rows until now in it."""
+        if self._waiting:
+            self._put(bytes(self._waiting))
+            self._waiting.clear()
+        return os.fstat(self._file.fileno()).st_size if self._file else 0
+
+    def _put(self, data: bytes) -> None:
+        """Hand to the operating system; a frame that is cut would make the rest unreadable, so that it is the last."""
+        if self._file:
+            try:
+                if self._file.write(data) == len(data):
+                    return
+            except OSError:
+                pass
+            self.close()
+
+    def close(self) -> None:
+        """Close the file, with all that waits."""
+        if self._file:
+            with suppress(OSError):
+                if self._waiting:
+                    self._file.write(self._waiting)
+            self._file.close()
+            self._file = None
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a journal holds. ``rows``: shape (n, 1 + names), time first; ``recorded``: of every row, whether the scene
+    records it; ``lost``: bytes that are no whole frames."""
+
+    names: list[str]
+    about: dict[str, Any]
+    rows: Array
+    recorded: NDArray[np.bool_]
+    events: list[Event]
+    lost: int
+
+    def columns(self) -> tuple[Array, dict[str, Array]]:
+        """(times, columns by name) of the rows that the scene records."""
+        rows = self.rows[self.recorded]
+        return rows[:, 0].copy(), {name: rows[:, k + 1].copy() for k, name in enumerate(self.names)}
+
+
+def read(file: IO[bytes]) -> Kept | None:
+    """What the journal in an open file holds; None if it was never begun, or is none."""
+    try:
+        file.seek(0)
+        head = unsealed(file.readline(LONGEST_HEAD))
+        names, about = head["names"], head["about"]
+        if head["journal"] != FORMAT or not isinstance(about, dict) or not all(isinstance(n, str) for n in names):
+            return None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    begin, size = file.tell(), os.fstat(file.fileno()).st_size
+    rows, recorded, events = array("d"), array("b"), list[Event]()
+    place = begin
+    while frame := _frame(file, 8 * (1 + len(names))):
+        tag, content = frame
+        if tag == b"E":
+            try:
+                events.append(Event(**json.loads(content)))
+            except (ValueError, TypeError):
+                break
+        else:
+            rows.frombytes(content)
+            recorded.append(tag == b"R")
+        place = file.tell()
+    shaped = np.array(rows).reshape(-1, 1 + len(names))
+    return Kept(names, about, shaped, np.array(recorded, dtype=bool), events, size - place)
+
+
+def _frame(file: IO[bytes], width: int) -> tuple[bytes, bytes] | None:
+    """(tag, content) of the next frame; None at the end, or where it is damaged."""
+    tag = file.read(1)
+    if tag == b"E":
+        width = int.from_bytes(file.read(4), "little")
+    elif tag not in (b"R", b"r") or not tag:
+        return None
+    content = file.read(width) if width <= LONGEST_HEAD else b""
+    if len(content) != width or file.read(4) != zlib.crc32(content).to_bytes(4, "little"):
+        return None
+    return tag, content
+
+
+def read_at(path: Path) -> Kept:
+    """What the journal at ``path`` holds. Raises `FileError` where there is none."""
+    try:
+        with open(path, "rb") as file:
+            kept = read(file)
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from error
+    if kept is None:
+        raise FileError(f"{path} is no journal of a run, or one that was never begun")
+    return kept
