@@ -72,7 +72,7 @@ def _root(unit: Unit, guid: str, indicators: int) -> Element:
 
 def _document(root: Element, interface: Interface) -> bytes:
     preamble(root, interface.variables)
-    _unset_inputs(root, interface.unit)
+    _annotations(root, interface.unit)
     variables, layout = SubElement(root, "ModelVariables"), interface.layout
     for reference, v in enumerate(interface.variables):
         real = _variable(variables, reference, v)
@@ -99,11 +99,13 @@ def preamble(root: Element, variables: Iterable[Variable]) -> None:
     SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
 
 
-def _unset_inputs(root: Element, unit: Unit) -> None:
-    """What it means that an input is neither connected nor set, for towage: ``needed``, or in words."""
+def _annotations(root: Element, unit: Unit) -> None:
+    """For towage: that names mean what its conventions say, and what it means that an input is neither connected nor set:
+    ``needed``, or in words."""
+    tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
+    SubElement(tool, "Conventions")
     said = [v for v in unit.inputs if v.needed or v.unset]
     if said:
-        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
         inputs = SubElement(tool, "Inputs")
         for v in said:
             SubElement(inputs, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})

@@ -90,7 +90,7 @@ HOSTILE_NAMES = [
     ("resources/./a", "portable"),
     ("resources//a", "portable"),
     ("resources/nul\x01", "portable"),
-    ("resources/a.", "portable"),
+
     ("MODELDESCRIPTION.xml", "collides"),
     ("Binaries/win64/box.dll", "collides"),
     ("modelDescription.xml/a", "collides"),

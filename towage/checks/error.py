@@ -20,6 +20,7 @@ from towage.errors import RunError
 from towage.result.records import Finding, Item, Word
 from towage.scene.parts import Variant
 from towage.scene.scene import Scene
+from towage.units.conventions import has, indicators
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -66,7 +67,7 @@ def after(run: Finished) -> list[Finding]:
     errors: dict[str, Array] = {}
     values: dict[str, Array] = {}
     decide = [section.motion, section.tension] if section else []
-    for name in dict.fromkeys([*judged_names(run.result.columns), *decide]):
+    for name in dict.fromkeys([*_judged(run), *decide]):
         values[name] = run.track.at(name, times)
         errors[name] = share * (values[name] - coarse.at(name, times))
         if name in run.result.columns and (scale := float(np.max(np.abs(values[name]), initial=0.0))):
@@ -78,9 +79,17 @@ def after(run: Finished) -> list[Finding]:
     return [_finding(run, max(shares, key=shares.__getitem__), shares, tolerance)]
 
 
-def judged_names(columns: Mapping[str, Array]) -> list[str]:
-    """Recorded variables that have an error: no margins, which guard, and no event functions."""
-    return [name for name in columns if not name.split(".", 1)[1].startswith(("margin_", "event_"))]
+def _judged(run: Finished) -> list[str]:
+    """Recorded variables that have an error: smooth ones, no margins, which guard, and no event functions."""
+    judged = []
+    for column in run.result.columns:
+        unit, _, name = column.partition(".")
+        description = run.scene.units[unit].description
+        variable = description.by_name()[name]
+        smooth = variable.type == "Real" and variable.variability == "continuous"
+        guards = (name.startswith("margin_") and has(description, name)) or name in indicators(description)
+        judged += [column] if smooth and not guards else []
+    return judged
 
 
 def _share(values: Mapping[str, Array], errors: Mapping[str, Array], name: str, settled: NDArray[np.bool_]) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from towage.checks.check import Cell, Check, Finished, Part
 from towage.result.records import Finding, Item, Margin
+from towage.units.conventions import has
 
 if TYPE_CHECKING:
     from towage.result.result import Result
@@ -22,7 +23,8 @@ def after(run: Finished) -> list[Finding]:
 
     result, shown = run.result, run.scene.scene.checks.report_only
     for name, values in result.columns.items():
-        if name.split(".", 1)[1].startswith("margin_") and len(values):
+        unit, _, variable = name.partition(".")
+        if variable.startswith("margin_") and has(run.scene.units[unit].description, variable) and len(values):
             k = int(np.argmin(values))
             result.margins.append(Margin(name, float(values[k]), float(result.time[k]), name not in shown))
     return []

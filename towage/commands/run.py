@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from towage.commands import common
+from towage.files import atomic_write
 
 if TYPE_CHECKING:
     from towage.errors import TowageError
@@ -43,7 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mat", action="store_true", help="write MATLAB files too")
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
     parser.epilog = (
-        "Every case is written to <case>.csv and <case>.npz, and one report.html shows them all.\n\n"
+        "Every case is written to <case>.csv and <case>.npz, what its units say to <case>.log, and one report.html shows "
+        "them all.\n\n"
         "example:\n  towage run sea_cliff --case '8 s wave' --set ship.heave_amplitude='4 ft' --out out/sea_cliff"
     )
 
@@ -146,8 +148,13 @@ def _run(resolved: ResolvedScene, label: str, arguments: argparse.Namespace) -> 
 
 
 def _write(result: Result, path: Path, writers: Sequence[Any]) -> list[Path]:
-    """One file a writer (`towage.result.writers.Writer`); ``path`` has no suffix yet."""
+    """One file a writer (`towage.result.writers.Writer`), and a log of what the units said, if they did; ``path`` has no
+    suffix yet."""
     files = []
+    if result.messages:
+        files.append(path.with_name(f"{path.name}.log"))
+        with atomic_write(files[-1]) as stream:
+            stream.write("".join(f"{message.line()}\n" for message in result.messages).encode(errors="backslashreplace"))
     for writer in writers:
         files.append(path.with_name(f"{path.name}.{writer.suffix}"))
         writer.write(result, files[-1])

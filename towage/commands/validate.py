@@ -21,15 +21,18 @@ def execute(arguments: argparse.Namespace) -> int:
     from towage.cli import complain
     from towage.errors import TowageError
     from towage.scene.inputs import unset_text
-    from towage.scene.resolve import check_all
+    from towage.scene.resolve import check_all, warned
     from towage.scene.scene import Scene
     from towage.units.store import locator
 
     code, locate = 0, locator(arguments.fmus)
     for name in arguments.scenes:
         try:
-            forgotten = check_all(Scene.load(name), locate)
+            scene = Scene.load(name)
+            forgotten = check_all(scene, locate)
             print(f"{name}: ok", flush=True)
+            for text in warned(scene, locate):
+                print(f"  warning  units: {text}", flush=True)
             if forgotten:
                 print(f"  warning  inputs: {unset_text(forgotten)}", flush=True)
         except TowageError as error:

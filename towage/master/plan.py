@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from collections.abc import Mapping
+from typing import Literal, NamedTuple
 
 from towage.checks.check import Start, checks_of
 from towage.checks.step import largest_step, loops
 from towage.master.auto import choose
 from towage.master.schemes import Scheme
-from towage.master.simulation import Settings
+from towage.master.simulation import MERGE, Settings
 from towage.master.system import System
 from towage.registry import SCHEMES
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
+from towage.scene.scene import Scene
 from towage.units.fmu import UnitFactory
 from towage.units.store import cache
 
@@ -30,14 +33,21 @@ class Plan(NamedTuple):
     findings: list[Finding]
 
 
-def started(resolved: ResolvedScene, make_unit: UnitFactory, main: ResolvedScene | None = None) -> System:
+def started(
+    resolved: ResolvedScene,
+    make_unit: UnitFactory,
+    main: ResolvedScene | None = None,
+    distrusted: Mapping[str, str] | None = None,
+) -> System:
     """The units of a scene, initialised, coupled as ``main`` (default: the same). Branches are frozen over a step where
-    the master looks after events. Raises `RunError` and `FmuError`; the caller closes the system."""
+    the master looks after events. ``distrusted``: units that are not to go back, and why. Raises `RunError` and `FmuError`;
+    the caller closes the system."""
     scene = (main or resolved).scene
     held = scene.coupling.scheme != "auto" and SCHEMES.get(scene.coupling.scheme).holds
-    system = System(resolved, cache() / "unpacked", scene.coupling.events and not held, held, make_unit)
+    freeze = scene.coupling.events and not held and not on_grid(resolved)
+    system = System(resolved, cache() / "unpacked", freeze, held, make_unit, distrusted)
     try:
-        system.start(0.0, scene.stop_time)
+        system.start(0.0, scene.stop_time, scene.coupling.tolerance)
     except BaseException:
         system.close()
         raise
@@ -48,9 +58,12 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
     """Scheme, step and findings of an initialised scene. Raises `SceneError` where the units do not carry the scheme."""
     scene = resolved.scene
     coupling, stop = scene.coupling, scene.stop_time
-    step = coupling.step
+    grid = on_grid(resolved)
+    step, tolerance = coupling.step, coupling.tolerance
+    if grid and step is None:
+        step, tolerance = own_step(resolved, grid), None
     interface_loops = loops(system)
-    findings = []
+    findings = _of_grid(grid, step, scene) if grid and step else []
     if coupling.scheme == "auto":
         scheme, why = choose(system, interface_loops, step or 0.0)
         findings.append(Finding("scheme", "info", None, None, f"auto: {scheme.name}, because {why}"))
@@ -65,8 +78,44 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
         if check.refuses:
             findings += check.before(start)
     interval = scene.record.interval or step or stop / DEFAULT_POINTS
-    settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop)
+    settings = Settings(scheme, step, tolerance, max_step, coupling.events, interval, stop, grid)
     return Plan(settings, start, findings)
+
+
+def on_grid(resolved: ResolvedScene) -> tuple[str, ...]:
+    """The units of other makes that take communication steps of one size only."""
+    return tuple(
+        name for name, unit in resolved.units.items()
+        if not (unit.description.can_handle_variable_step or unit.description.conventions)
+    )  # fmt: skip
+
+
+def own_step(resolved: ResolvedScene, grid: tuple[str, ...]) -> float:
+    """The step that the units of ``grid`` have by their default experiment, s. Raises `SceneError` where there is none, or more
+    than one."""
+    steps = {resolved.units[name].description.default_experiment.step_size for name in grid} - {None}
+    if len(steps) != 1 or not (size := steps.pop()) or size > resolved.scene.stop_time:
+        raise resolved.scene.error(
+            f"{', '.join(grid)} takes communication steps of one size only, so that there is no error control, and names none "
+            "for all of them: give a step instead, coupling.step",
+            "coupling.tolerance",
+        )
+    return size
+
+
+def _of_grid(grid: tuple[str, ...], step: float, scene: Scene) -> list[Finding]:
+    """What it means for the run that units take steps of one size only."""
+    count = max(1, math.floor(scene.stop_time / step + MERGE))
+    message = (
+        f"{', '.join(grid)} takes communication steps of one size only (canHandleVariableCommunicationStepSize is false): all "
+        f"points lie on the grid of {step:g} s, and events happen at the next of them"
+    )
+    if scene.coupling.step is None:
+        message += "; there is no error control, the step is that of the unit's default experiment"
+    level: Literal["info", "warning"] = "info"
+    if abs(count * step - scene.stop_time) > MERGE * step:
+        level, message = "warning", f"{message}; the run ends at {count * step:.9g} s, not at {scene.stop_time:g} s"
+    return [Finding("grid", level, step, None, message)]
 
 
 def _refusal(scheme: Scheme, step: float | None, system: System) -> tuple[str, str] | None:

@@ -2,54 +2,38 @@
 
 Every connection carries a signal: its value and rate at the communication point t (``value``, ``rate``), those found at
 the end of the step being tried (``end_value``, ``end_rate``), and the cubic that its target is given over the step,
-u(t + s) = a0 + a1 s + a2 s^2 + a3 s^3. A scheme is a sequence of `extrapolate`, `interpolate`, `hold` on signals and
-`advance` on units (`schemes.py`). Units without direct feedthrough come first in ``order``, so that those with it see
-both ends of their inputs: no delay is added where the equations have none.
+u(t + s) = a0 + a1 s + a2 s^2 + a3 s^3. A discrete signal is held over the step, its change is an event. A scheme is a
+sequence of `extrapolate`, `interpolate`, `hold` on signals and `advance` on units (`schemes.py`). Units without direct
+feedthrough come first in ``order``, so that those with it see both ends of their inputs: no delay is added where the
+equations have none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from towage.scene.resolve import ResolvedConnection, ResolvedScene, ResolvedUnit
+from towage.master.initial import initialise
+from towage.master.signals import Signal, TextSignal, signal, wanted
+from towage.scene.resolve import ResolvedScene
 from towage.units.archive import unpacked
+from towage.units.conventions import CLOCK, FREEZE, has, indicators
 from towage.units.fmu import Unit, UnitFactory
-from towage.units.wiring import Input, Wanted
+from towage.units.log import Message
 
+ROUNDING = 1e-12
+"""Share of a signal's largest value by which rounding may change it."""
 SAME_STEP = 1e-6
 """Relative difference below which two step lengths are one: k h is not exactly the time."""
-
-
-@dataclass(slots=True)
-class Signal:
-    """One connection at work. ``rated``: its source reports the rate; ``backward``: its source comes after its target."""
-
-    connection: ResolvedConnection
-    source: int
-    target: int
-    input: Input
-    slot: int
-    rate_slot: int
-    factor: float
-    rated: bool
-    value: float = 0.0
-    rate: float = 0.0
-    end_value: float = 0.0
-    end_rate: float = 0.0
-    old_value: float = 0.0
-    scale: float = 0.0
-    backward: bool = False
-    polynomial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
 class System:
     """The running units. FMUs are unpacked below ``extracted``. ``freeze``: ask units to hold their branches over a step,
     provided that all can go back to a step's start, which the search for events needs. ``held``: inputs are held over a
-    step, so that neither rates nor events are read. ``make`` makes the units.
+    step, so that neither rates nor events are read. ``make`` makes the units. ``distrusted``: units that are not to go back,
+    and why.
 
     Raises `FmuError` and `RunError` if a unit cannot be loaded or instantiated."""
 
@@ -60,8 +44,15 @@ class System:
         freeze: bool = False,
         held: bool = False,
         make: UnitFactory = Unit,
+        distrusted: Mapping[str, str] | None = None,
     ) -> None:
         self.scene = scene
+        self.distrusted = dict(distrusted or {})
+        self.time: float | None = None
+        self.noise: dict[str, float] = {}
+        self.scales: dict[int, list[float]] = {}
+        self.floor = 0.0
+        self.late_units: set[str] = set()
         self._freeze = freeze
         self.units: list[Unit] = []
         self.old_step = 0.0
@@ -71,12 +62,22 @@ class System:
         try:
             for resolved in scene.units.values():
                 directory = unpacked(resolved.path, extracted)
-                self.units.append(make(resolved.name, resolved.description, directory, _wanted(resolved, scene, held)))
+                unit = make(resolved.name, resolved.description, directory, wanted(resolved, scene, held))
+                self.units.append(unit)
+                unit.can_roll_back = unit.can_roll_back and unit.name not in self.distrusted
+                unit.instance.log.follow(lambda: self.time)
         except BaseException:
             self.close()
             raise
         number = {unit.name: i for i, unit in enumerate(self.units)}
-        self.signals = [self._signal(c, number) for c in scene.connections]
+        numeric = [c for c in scene.connections if c.target in self.units[number[c.target_unit]].inputs]
+        self.signals = [signal(c, self.units, number) for c in numeric]
+        self.texts = [
+            TextSignal(number[c.source_unit], c.source, number[c.target_unit], c.target)
+            for c in scene.connections if c not in numeric
+        ]  # fmt: skip
+        self.discrete = [s for s in self.signals if s.discrete]
+        self._unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
         self.order = self._order()
@@ -87,21 +88,14 @@ class System:
         self.looped = self._looped()
         ours = ("python", "native")
         self.foreign = [i for i, unit in enumerate(self.units) if scene.units[unit.name].flavour not in ours]
+        late = {s.target for s in self.signals if s.input.late and not s.input.orders}
+        self.late = [] if held else sorted(late)
         self.indicators = [
             (i, unit.slot[n], unit.slot.get(f"{n}_rate", -1), n.removeprefix("event_"))
-            for i, unit in enumerate(self.units) for n in unit.outputs
-            if n.startswith("event_") and not n.endswith("_rate")
+            for i, unit in enumerate(self.units) for n in indicators(unit.description)
+            if n in unit.slot and not n.endswith("_rate")
         ]  # fmt: skip
-        self.clocks = [
-            (i, unit.slot["next_event_time"]) for i, unit in enumerate(self.units) if "next_event_time" in unit.slot
-        ]
-
-    def _signal(self, connection: ResolvedConnection, number: dict[str, int]) -> Signal:
-        source, target = number[connection.source_unit], number[connection.target_unit]
-        slots = self.units[source].slot
-        rate = slots.get(f"{connection.source}_rate", -1)
-        place = self.units[target].inputs[connection.target]
-        return Signal(connection, source, target, place, slots[connection.source], rate, connection.factor, rate >= 0)
+        self.clocks = [(i, u.slot[CLOCK]) for i, u in enumerate(self.units) if CLOCK in u.slot and has(u.description, CLOCK)]
 
     def _order(self) -> list[int]:
         """Units in the order of evaluation: after every unit whose output goes straight through them."""
@@ -125,15 +119,17 @@ class System:
 
     # ---- start, communication points --------------------------------------------------------------------------------
 
-    def start(self, start_time: float, stop_time: float) -> None:
-        """Initialise all units and make the signals consistent at the start."""
+    def start(self, start_time: float, stop_time: float, tolerance: float | None = None) -> None:
+        """Initialise all units and make the signals consistent at the start. ``tolerance``: relative, for what units solve
+        themselves; None: that of their default experiment."""
         for unit in self.units:
             parameters = dict(self.scene.units[unit.name].parameters)
-            if self._freeze and self.can_roll_back and "freeze_branches" in unit.variables:
-                parameters.setdefault("freeze_branches", 1.0)
-            unit.start(parameters, start_time, stop_time)
-        for i in range(len(self.units)):
-            self._read(i)
+            if self._freeze and self.can_roll_back and has(unit.description, FREEZE):
+                parameters.setdefault(FREEZE, 1.0)
+            own = unit.description.default_experiment.tolerance
+            unit.enter(parameters, (start_time, stop_time), own if tolerance is None else tolerance)
+        initialise(self, start_time)
+        self.time = start_time
         self.accept(0.0)
         self.refresh(start_time)
 
@@ -147,11 +143,37 @@ class System:
                 self._write(i, 0.0)
                 self.units[i].set(time)
                 self.units[i].get(time)
-                self._read(i)
+                self.read(i)
                 for s in self.out[i]:
                     s.value, s.rate = s.end_value, s.end_rate
         self.old_step = 0.0
         self._learned.clear()
+
+    def settle(self, time: float) -> None:
+        """Read units again with the ends of the inputs that were held at their mean over the step: what goes straight
+        through to an output that is only recorded is right at the communication point."""
+        for i in self.late:
+            unit, moved = self.units[i], False
+            before = unit.values
+            for s in self.into[i]:
+                if not s.input.orders:
+                    moved = moved or abs(unit.input_buffer[s.input.slot] - s.value) > ROUNDING * s.scale
+                    unit.input_buffer[s.input.slot] = s.value
+            unit.set(time)
+            unit.get(time)
+            self.read(i)
+            if moved and unit.values == before:
+                self.late_units.add(unit.name)
+
+    def jumped(self) -> bool:
+        """Whether a discrete signal changed over the step that was accepted last."""
+        return any(s.value != s.old_value for s in self.discrete)
+
+    def pass_texts(self) -> None:
+        """Pass texts on, which are held between communication points."""
+        for text in self.texts:
+            words = self.units[text.source].wiring.others.words
+            self.units[text.target].wiring.others.words[text.input] = words[text.output]
 
     def learned(self, step: float) -> list[tuple[Any, Any]]:
         """What iterations at this step length told of the loop since the last event: (change of the residual, change of
@@ -167,6 +189,12 @@ class System:
             s.old_value, s.value = s.value, s.end_value
             s.rate = s.end_rate if s.rated else (s.value - s.old_value) / step if step else 0.0
             s.scale = max(s.scale, abs(s.value))
+        for s in self.discrete:
+            s.rate = 0.0
+        if self._unknown and step:
+            for s in self._unknown:
+                s.unknown = False
+            self._unknown.clear()
         self.old_step = step
 
     def save(self, time: float) -> None:
@@ -179,6 +207,16 @@ class System:
         """Restore the saved state of some units (default: all)."""
         for i in range(len(self.units)) if units is None else units:
             self.units[i].restore(self.saved_at)
+
+    def listen(self, write: Callable[[Message], None]) -> None:
+        """Have what the units say written, what they said before first."""
+        for unit in self.units:
+            unit.instance.log.follow(lambda: self.time, write)
+
+    def messages(self) -> list[Message]:
+        """What the units said, in order of time."""
+        every = [message for unit in self.units for message in unit.instance.log.messages]
+        return sorted(every, key=lambda message: -math.inf if message.time is None else message.time)
 
     @property
     def can_roll_back(self) -> bool:
@@ -206,6 +244,8 @@ class System:
         """Cubic Hermite between both ends; linear where there are no rates."""
         slope = (s.end_value - s.value) / step
         if s.rated:
+            if s.unknown:
+                s.rate = 2.0 * slope - s.end_rate
             s.polynomial = (
                 s.value,
                 s.rate,
@@ -213,7 +253,7 @@ class System:
                 (s.rate + s.end_rate - 2.0 * slope) / (step * step),
             )
         else:
-            s.polynomial = (s.value, slope, 0.0, 0.0)
+            s.polynomial = (s.value, 0.0 if s.discrete else slope, 0.0, 0.0)
 
     # ---- units ------------------------------------------------------------------------------------------------------
 
@@ -221,14 +261,17 @@ class System:
         """Step one unit with the polynomials of its inputs, and read it."""
         self._write(i, step)
         self.units[i].advance(time, step)
-        self._read(i)
+        self.read(i)
 
-    def _read(self, i: int) -> None:
+    def read(self, i: int) -> None:
+        """Take the ends of the signals that a unit sends from its values."""
         values = self.units[i].values
         for s in self.out[i]:
             s.end_value = values[s.slot] * s.factor
+            if s.offset:
+                s.end_value += s.offset
             if s.rated:
-                s.end_rate = values[s.rate_slot] * s.factor
+                s.end_rate = values[s.rate_slot] * s.rate_factor
 
     def _write(self, i: int, step: float) -> None:
         unit = self.units[i]
@@ -241,7 +284,7 @@ class System:
                 buffer[k], buffer[d], buffer[d + 1], buffer[d + 2] = a0, a1, 2.0 * a2, 6.0 * a3
             elif place.orders == 1:  # a straight line that ends where the signal does
                 buffer[k], buffer[d] = a0, a1 + step * (a2 + step * a3)
-            elif place.feedthrough:  # held over the step: what goes straight through should be right at its end
+            elif s.at_end:  # held over the step: what goes straight through should be right at its end
                 buffer[k] = a0 + step * (a1 + step * (a2 + step * a3))
             else:  # and what is integrated should be right on average
                 buffer[k] = a0 + step * (a1 / 2.0 + step * (a2 / 3.0 + step * a3 / 4.0))
@@ -250,15 +293,3 @@ class System:
         """The earliest event time that a unit announces after ``time``."""
         ahead = [self.units[i].values[k] for i, k in self.clocks]
         return min((t for t in ahead if t > time + 1e-12 * (1.0 + abs(time))), default=float("inf"))
-
-
-def _wanted(unit: ResolvedUnit, scene: ResolvedScene, held: bool) -> Wanted:
-    """What the scene wants of a unit; where inputs are held, neither rates nor events."""
-    connected = [c.target for c in scene.connections if c.target_unit == unit.name]
-    sources = [c.source for c in scene.connections if c.source_unit == unit.name]
-    names = sources + [v for u, v in (*scene.record, *scene.reads) if u == unit.name]
-    if not held:
-        events = [v.name for v in unit.description.variables if v.name.startswith("event_")]
-        names += [f"{n}_rate" for n in sources] + events + ["next_event_time"]
-    known = {v.name for v in unit.description.variables if v.type == "Real"}
-    return Wanted(connected, sources, [n for n in dict.fromkeys(names) if n in known], cubic=not held)

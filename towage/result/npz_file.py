@@ -20,7 +20,7 @@ from towage.files import atomic_write
 
 Columns = Mapping[str, NDArray[Any]]
 _FORMAT = 2
-_PREFIXES = {"columns": ("column", ""), "one_way": ("one_way", "one_way:")}
+_PREFIXES = {"columns": ("column", ""), "one_way": ("one_way", "one_way:"), "texts": ("text", "text:")}
 """Kind of series: prefix of the numbered keys, prefix of names."""
 
 
@@ -57,7 +57,7 @@ def read_npz(path: str | os.PathLike[str]) -> dict[str, Any]:
                 if f"{numbered}_names" in metadata:  # format 1
                     keys = {name: f"{numbered}_{k}" for k, name in enumerate(metadata.pop(f"{numbered}_names"))}
                 else:
-                    keys = metadata.pop(f"{kind}_keys")
+                    keys = metadata.pop(f"{kind}_keys", {})
                 metadata[kind] = {name: store[key] for name, key in keys.items()}
             return {**metadata, "time": store["time"], "step_sizes": store["step_sizes"]}
     except OSError as error:

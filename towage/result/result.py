@@ -22,6 +22,7 @@ from towage.result.csv_file import write_csv
 from towage.result.mat_file import write_mat
 from towage.result.npz_file import read_npz, write_npz
 from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Item, Margin, Statistic, Verdict
+from towage.units.log import Message
 
 if TYPE_CHECKING:
     import pandas
@@ -40,6 +41,7 @@ class Result:
     ``one_way``: the same variables with the back reaction left out, on the same grid. ``coupling_error``: variable to
     estimated relative error. ``power_residual``: bond to relative energy residual. ``step_sizes``: accepted
     communication steps, s. ``flavours``: unit to ``python``, ``native`` or the tool that made its FMU.
+    ``texts``: columns of texts. ``messages``: what the units logged.
     ``response``: curve ``ratio``, ``amplitude``, point ``operating`` and ``label``.
     """
 
@@ -64,17 +66,20 @@ class Result:
     scene_source: str = ""
     flavours: dict[str, str] = field(default_factory=dict)
     response: dict[str, Any] | None = None
+    texts: dict[str, Array] = field(default_factory=dict)
+    messages: list[Message] = field(default_factory=list)
 
     def __getitem__(self, name: str) -> Array:
         """A column, shape (n,), SI, or ``time``. Raises KeyError with the nearest name."""
         if name == "time":
             return self.time
-        if name not in self.columns:
-            raise KeyError(f"no column {name!r}{suggest(name, self.columns)}")
-        return self.columns[name]
+        columns = {**self.columns, **self.texts}
+        if name not in columns:
+            raise KeyError(f"no column {name!r}{suggest(name, columns)}")
+        return columns[name]
 
     def __contains__(self, name: object) -> bool:
-        return name == "time" or name in self.columns
+        return name == "time" or name in self.columns or name in self.texts
 
     def worst_margin(self) -> Margin | None:
         """The smallest margin that decides; of those that are shown only if none decides; None if there are none."""
@@ -96,7 +101,7 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """Everything but the arrays, as finite JSON (NaN and infinity become null): events as counts per
         ``unit.name``, columns as their extremes with the times of these."""
-        plain = {name: value for name, value in self._metadata().items() if name not in ("scene_source", "response")}
+        plain = {name: value for name, value in self._metadata().items() if name not in ("scene_source", "response", "messages")}
         plain["events"] = dict(Counter(f"{event.unit}.{event.name}" for event in self.events))
         plain["samples"] = len(self.time)
         plain["start_time"], plain["end_time"] = (self.time[0], self.time[-1]) if len(self.time) else (None, None)
@@ -108,7 +113,7 @@ class Result:
         """(arrays, units of measure) of everything on the time grid, shape (n,), SI: ``time``, the columns, and those of
         the one-way run with the prefix ``one_way``."""
         second = {f"{one_way}{name}": name for name in self.one_way}
-        arrays = {"time": self.time, **self.columns, **{key: self.one_way[name] for key, name in second.items()}}
+        arrays = {"time": self.time, **self.columns, **self.texts, **{key: self.one_way[name] for key, name in second.items()}}
         units = {"time": "s", **self.units, **{key: self.units.get(name, "") for key, name in second.items()}}
         return arrays, units
 
@@ -116,7 +121,7 @@ class Result:
         """Everything, bit-exact; `load_npz` reads it back. Raises TowageError and keeps the earlier file if it cannot
         be written (this holds for every writer here)."""
         arrays = {"time": self.time, "step_sizes": self.step_sizes}
-        series = {"columns": self.columns, "one_way": self.one_way}
+        series = {"columns": self.columns, "one_way": self.one_way, "texts": self.texts}
         write_npz(path, _plain(self._metadata(), finite=False), arrays, series)
 
     @classmethod
@@ -126,6 +131,7 @@ class Result:
             values: dict[str, Any] = read_npz(path)
             for kind, record in (("events", Event), ("checks", Finding), ("margins", Margin)):
                 values[kind] = [record(**each) for each in values[kind]]
+            values["messages"] = [Message(**each) for each in values.get("messages", ())]
             said = values["verdict"]
             said["items"] = tuple(Item(**each) for each in said.get("items", ()))
             values["verdict"] = Verdict(**said)
@@ -182,10 +188,11 @@ class Result:
         return show.html(self.about(), self.plot() if len(self.time) else None)
 
     def _metadata(self) -> dict[str, Any]:
-        arrays = ("time", "columns", "one_way", "step_sizes")
+        arrays = ("time", "columns", "one_way", "step_sizes", "texts")
         records = {"events", "checks", "margins"}
         values = {name: value for name, value in vars(self).items() if name not in arrays}
         values |= {name: [vars(record) for record in values[name]] for name in records}
+        values["messages"] = [message._asdict() for message in self.messages]
         return values | {"verdict": asdict(self.verdict), "comparison": self.comparison and asdict(self.comparison)}
 
 

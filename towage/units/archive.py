@@ -13,6 +13,7 @@ import re
 import shutil
 import stat
 import struct
+import sys
 import tempfile
 import unicodedata
 import zipfile
@@ -22,6 +23,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers import expat
+
+from msgspec.structs import replace
 
 from towage.errors import FmuError
 from towage.units import binary
@@ -171,7 +174,7 @@ def _entry_problem(entry: zipfile.ZipInfo, parts: list[str]) -> str:
         return "is an absolute path"
     if ".." in parts:
         return "leaves the archive's directory"
-    if re.search(r"[\\:\x00-\x1f]", name) or any(part.strip() in ("", ".") or part[-1] in ". " for part in parts):
+    if re.search(r"[\\:\x00-\x1f]", name) or any(part.strip() in ("", ".") or _ending(part) for part in parts):
         return "is not a portable name: expected words separated by '/'"
     if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
         return "is a symbolic link" if stat.S_ISLNK(mode) else "is not a regular file"
@@ -180,6 +183,17 @@ def _entry_problem(entry: zipfile.ZipInfo, parts: list[str]) -> str:
     if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         return f"is compressed by method {entry.compress_type}: FMI allows stored and deflated"
     return ""
+
+
+def _ending(part: str) -> bool:
+    """Whether a name ends in what this platform does not keep: Windows drops full stops and blanks."""
+    return part[-1] in ". " if sys.platform == "win32" else part[-1] == " "
+
+
+def _unportable(names: list[str]) -> tuple[str, ...]:
+    """What to say of entries that end in a full stop, which Windows does not keep."""
+    odd = [name for name in names if any(part.endswith(".") for part in name.rstrip("/").split("/"))]
+    return (f"the archive has {', '.join(odd[:3])}, which Windows cannot unpack: taken here",) if odd else ()
 
 
 def _unpack(archive: zipfile.ZipFile, target: Path) -> None:
@@ -235,6 +249,7 @@ def _describe(path: Path, archive: zipfile.ZipFile) -> Description:
         raise FmuError(f"larger than {MAX_XML >> 20} MB", file=path, entry=_DESCRIPTION)
     root = _parse(path, archive.read(_DESCRIPTION))
     try:
-        return DescriptionReader(root).description(path, names)
+        description = DescriptionReader(root).description(path, names)
+        return replace(description, warnings=description.warnings + _unportable(names))
     except InvalidDescription as error:
         raise FmuError(str(error), file=path, entry=_DESCRIPTION) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from collections.abc import Callable
@@ -27,7 +28,8 @@ class Variable(msgspec.Struct, frozen=True):
 
     ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless. ``needed``: an
     input that a scene has to connect or set; ``unset``: what it means if it does not, where the unit says so
-    (`towage.models.protocol.variables.input_variable`).
+    (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and read;
+    ``array``: the number of elements of the array that it is an element of, which share the value reference.
     """
 
     name: str
@@ -45,6 +47,8 @@ class Variable(msgspec.Struct, frozen=True):
     description: str = ""
     needed: bool = False
     unset: str = ""
+    kind: str = "Real"
+    array: int = 1
 
 
 class UnitDefinition(msgspec.Struct, frozen=True):
@@ -64,10 +68,12 @@ class DefaultExperiment(msgspec.Struct, frozen=True):
     step_size: float | None = None
 
 
-class Description(msgspec.Struct, frozen=True):
+class Description(msgspec.Struct, frozen=True, dict=True):
     """A modelDescription.xml, and the platforms that the archive has a binary for.
 
     ``dependencies`` gives the inputs that act on an output without delay; None: not declared, so all of them may.
+    ``conventions``: its names mean what `towage.units.conventions` says, as the maker declares. ``warnings``: what breaks the
+    standard and is taken all the same.
     """
 
     path: Path
@@ -88,10 +94,24 @@ class Description(msgspec.Struct, frozen=True):
     dependencies: dict[str, tuple[str, ...] | None]
     units: dict[str, UnitDefinition]
     platforms: tuple[str, ...]
+    conventions: bool = False
+    warnings: tuple[str, ...] = ()
 
     def by_name(self) -> dict[str, Variable]:
         """The variables under their names."""
+        return self._names
+
+    @functools.cached_property
+    def _names(self) -> dict[str, Variable]:
         return {variable.name: variable for variable in self.variables}
+
+    def siblings(self, name: str) -> list[str]:
+        """The elements of the array of which ``name`` is one, in order; ``name`` alone where it is none."""
+        variable = self.by_name()[name]
+        if variable.array == 1:
+            return [name]
+        same = (variable.value_reference, variable.kind)
+        return [v.name for v in self.variables if (v.value_reference, v.kind) == same]
 
 
 class InvalidDescription(Exception):
@@ -113,6 +133,21 @@ def _boolean(text: str) -> bool:
     if text not in ("true", "false", "1", "0"):
         raise ValueError
     return text in ("true", "1")
+
+
+def identifier_warnings(identifier: str) -> tuple[str, ...]:
+    """What to say of a model identifier that names a file but is no identifier of C. Raises `InvalidDescription` for one that
+    names no file."""
+    if re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", identifier):
+        return ()
+    if not re.fullmatch(r"[A-Za-z0-9_][\w.+ -]*", identifier, re.ASCII):
+        raise InvalidDescription(f"modelIdentifier {identifier!r} is not a C identifier")
+    return (f"modelIdentifier {identifier!r} is not a C identifier, as FMI wants it: taken as the name of the library",)
+
+
+def declares_conventions(root: ElementTree.Element, annotation: str) -> bool:
+    """Whether a unit declares the conventions of its names: by the element ``annotation``, or as made by towage."""
+    return root.find(annotation) is not None or root.get("generationTool", "").split(" ")[0] == "towage"
 
 
 _VALUES: dict[str, Callable[[str], Value]] = {
@@ -146,8 +181,6 @@ class DescriptionReader:
                 "no CoSimulation element: model exchange is not supported, export for co-simulation"
             )
         identifier = unit.get("modelIdentifier", "")
-        if not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", identifier):
-            raise InvalidDescription(f"modelIdentifier {identifier!r} is not a C identifier")
         missing = [key for key in ("modelName", "guid") if not root.get(key)]
         if missing:
             raise InvalidDescription(f"required attribute {missing[0]!r} is missing")
@@ -159,7 +192,8 @@ class DescriptionReader:
             seen.add(variable.name)
         experiment = root.find("DefaultExperiment")
         times = () if experiment is None else ("startTime", "stopTime", "tolerance", "stepSize")
-        libraries = (re.fullmatch(rf"binaries/([^/]+)/{identifier}(\.so|\.dll|\.dylib)", name) for name in names)
+        warnings = identifier_warnings(identifier)
+        libraries = (re.fullmatch(rf"binaries/([^/]+)/{re.escape(identifier)}(\.so|\.dll|\.dylib)", name) for name in names)
         return Description(
             path=path,
             fmi_version=version,
@@ -181,6 +215,8 @@ class DescriptionReader:
             dependencies=self.dependencies(variables),
             units=dict(map(self.unit, root.iterfind("UnitDefinitions/Unit[BaseUnit]"))),
             platforms=tuple(sorted({match[1] for match in libraries if match})),
+            conventions=declares_conventions(root, "VendorAnnotations/Tool[@name='towage']/Conventions"),
+            warnings=warnings,
         )
 
     @staticmethod
@@ -225,6 +261,7 @@ class DescriptionReader:
             name=name,
             value_reference=reference,
             type=_KINDS[own.tag],
+            kind="Integer" if own.tag == "Enumeration" else own.tag,
             causality=causality,
             variability=variability,
             initial=element.get("initial") or _INITIAL.get(causality, "exact" if exact else "calculated"),

@@ -1,0 +1,129 @@
+"""The zoo: units of another make, compiled here, each of which does one thing that the standard allows or that is found in the
+wild. Their model is y' = gain u and w = gain u, with a staircase, an integer, a truth value and a text; the GUID is their manner.
+"""
+
+from __future__ import annotations
+
+import functools
+import shutil
+import subprocess
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from towage.master.master import run_resolved
+from towage.result.result import Result
+from towage.scene.flavour import resolve
+from towage.scene.scene import Scene
+from towage.units.binary import platform_name
+
+HERE = Path(__file__).parent
+RUNTIME = HERE.parents[1] / "fmus" / "native" / "runtime"
+PARAMETER = 'causality="parameter" variability="fixed"'
+OUTPUT = 'causality="output" variability="{}"'
+VARIABLES = {
+    "u": (0, 'causality="input" variability="continuous"', '<Real start="0"{u}/>'),
+    "y": (1, OUTPUT.format("continuous"), "<Real{y}/>"),
+    "w": (2, OUTPUT.format("continuous"), "<Real/>"),
+    "stairs": (3, OUTPUT.format("discrete"), "<Real/>"),
+    "tolerance": (4, OUTPUT.format("discrete"), "<Real/>"),
+    "calls": (5, OUTPUT.format("discrete"), "<Real/>"),
+    "gain": (6, PARAMETER, '<Real start="1"/>'),
+    "x0": (7, PARAMETER, '<Real start="0"/>'),
+    "end": (8, PARAMETER, '<Real start="1e300"/>'),
+    "noise": (9, PARAMETER, '<Real start="0"/>'),
+    "rate": (10, OUTPUT.format("continuous"), "<Real{rate}/>"),
+    "n_in": (20, 'causality="input" variability="discrete"', '<Integer start="0"/>'),
+    "n": (21, OUTPUT.format("discrete"), "<Integer/>"),
+    "b_in": (22, 'causality="input" variability="discrete"', '<Boolean start="false"/>'),
+    "b": (23, OUTPUT.format("discrete"), "<Boolean/>"),
+    "s_in": (24, 'causality="input" variability="discrete"', '<String start="none"/>'),
+    "s": (25, OUTPUT.format("discrete"), "<String/>"),
+}
+DEPENDS = {"y": "", "w": "1", "stairs": "", "tolerance": "", "calls": "", "rate": "1", "n": "12", "b": "14", "s": "16"}
+"""Positions, from 1, of the inputs that act on each output without delay."""
+
+
+@functools.cache
+def library(version: int) -> bytes:
+    """The zoo compiled for a version of FMI; a test that wants it is skipped where there is no compiler."""
+    if not (compiler := shutil.which("cc")):
+        pytest.skip("needs a C compiler")
+    with tempfile.TemporaryDirectory() as directory:
+        path = Path(directory, "zoo")
+        headers = ["-I", str(RUNTIME / f"fmi{version}")]
+        command = [compiler, "-std=c99", "-O0", "-w", "-shared", "-fPIC", *headers, "-o", str(path)]
+        subprocess.run([*command, str(HERE / f"zoo{version}.c"), "-lm"], check=True, timeout=60)
+        return path.read_bytes()
+
+
+def description(
+    manner: str = "sound",
+    *,
+    identifier: str = "zoo",
+    options: str = "",
+    rollback: bool = True,
+    variable_step: bool = True,
+    names: Mapping[str, str] | None = None,
+    reals: Mapping[str, str] | None = None,
+    declared: bool = True,
+    extra: str = "",
+    experiment: str = "",
+) -> str:
+    """A model description of FMI 2.0. ``names`` renames variables, ``reals`` are attributes of the type of u, y and rate;
+    ``declared``: dependencies are."""
+    words = {"u": "", "y": "", "rate": "", **(reals or {})}
+    renamed = names or {}
+    variables = "\n".join(
+        f'<ScalarVariable name="{renamed.get(name, name)}" valueReference="{reference}" {what}>{kind.format(**words)}'
+        "</ScalarVariable>"
+        for name, (reference, what, kind) in VARIABLES.items()
+    )
+    outputs = "".join(
+        f'<Unknown index="{[*VARIABLES].index(name) + 1}"' + (f' dependencies="{on}"/>' if declared else "/>")
+        for name, on in DEPENDS.items()
+    )
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="zoo" guid="{manner}" generationTool="by hand">
+<CoSimulation modelIdentifier="{identifier}" canGetAndSetFMUstate="{str(rollback).lower()}"
+  canHandleVariableCommunicationStepSize="{str(variable_step).lower()}" {options}/>
+{extra}{experiment}
+<ModelVariables>
+{variables}
+</ModelVariables>
+<ModelStructure><Outputs>{outputs}</Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def animal(path: Path, manner: str = "sound", *, entries: Mapping[str, str] | None = None, **about: Any) -> str:
+    """The path of a unit of that manner, built there; ``about`` goes to `description`, ``entries`` are further files."""
+    platform, suffix = platform_name()
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", description(manner, **about))
+        archive.writestr(f"binaries/{platform}/{about.get('identifier', 'zoo')}{suffix}", library(2))
+        for name, text in (entries or {}).items():
+            archive.writestr(name, text)
+    return str(path)
+
+
+def scene(units: Mapping[str, Any], connections: list[str], stop: float = 2.0, **tables: Any) -> Scene:
+    """A scene of such units, each the path of its FMU or a table."""
+    entries = {name: {"fmu": unit} if isinstance(unit, str) else unit for name, unit in units.items()}
+    coupling = {"step": 0.1, "error_estimate": False, **tables.pop("coupling", {})}
+    tables = {"title": "Zoo", "stop_time": stop, "units": entries, "connections": connections, "coupling": coupling} | tables
+    return Scene.from_dict(tables)
+
+
+def run(units: Mapping[str, Any], connections: list[str], stop: float = 2.0, **tables: Any) -> Result:
+    """The result of such a scene."""
+    return run_resolved(resolve(scene(units, connections, stop, **tables)))
+
+
+def told(result: Result, name: str) -> str:
+    """What the findings called ``name`` say."""
+    return "\n".join(finding.message for finding in result.checks if finding.name == name)
