@@ -100,9 +100,13 @@ def preamble(root: Element, variables: Iterable[Variable]) -> None:
 
 
 def _annotations(root: Element, unit: Unit) -> None:
-    """For towage: that names mean what its conventions say, and what it means that an input is neither connected nor set:
-    ``needed``, or in words."""
     tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
+    annotate(tool, unit)
+
+
+def annotate(tool: Element, unit: Unit) -> None:
+    """For towage, the same in FMI 2 and 3: that names mean what its conventions say, and what it means that an input is neither
+    connected nor set: ``needed``, or in words."""
     SubElement(tool, "Conventions")
     said = [v for v in unit.inputs if v.needed or v.unset]
     if said:

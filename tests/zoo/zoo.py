@@ -19,7 +19,7 @@ from towage.master.master import run_resolved
 from towage.result.result import Result
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
-from towage.units.binary import platform_name
+from towage.units.binary import platform_name, platform_tuple
 
 HERE = Path(__file__).parent
 RUNTIME = HERE.parents[1] / "fmus" / "native" / "runtime"
@@ -44,6 +44,8 @@ VARIABLES = {
     "s_in": (24, 'causality="input" variability="discrete"', '<String start="none"/>'),
     "s": (25, OUTPUT.format("discrete"), "<String/>"),
 }
+MORE = {"array": "Float64", "bytes": "Binary", "single": "Float32", "byte": "Int8", "wide": "UInt64"}
+"""What FMI 3.0 has more: name_in is passed on as name."""
 DEPENDS = {"y": "", "w": "1", "stairs": "", "tolerance": "", "calls": "", "rate": "1", "n": "12", "b": "14", "s": "16"}
 """Positions, from 1, of the inputs that act on each output without delay."""
 
@@ -57,7 +59,8 @@ def library(version: int) -> bytes:
         path = Path(directory, "zoo")
         headers = ["-I", str(RUNTIME / f"fmi{version}")]
         command = [compiler, "-std=c99", "-O0", "-w", "-shared", "-fPIC", *headers, "-o", str(path)]
-        subprocess.run([*command, str(HERE / f"zoo{version}.c"), "-lm"], check=True, timeout=60)
+        sources = [f"zoo{version}.c", *(["absent3.c"] if version == 3 else [])]
+        subprocess.run([*command, *(str(HERE / name) for name in sources), "-lm"], check=True, timeout=60)
         return path.read_bytes()
 
 
@@ -98,6 +101,49 @@ def description(
 <ModelStructure><Outputs>{outputs}</Outputs></ModelStructure>
 </fmiModelDescription>
 """
+
+
+def description3(manner: str = "sound", *, events: bool = False, rollback: bool = True, extra: str = "") -> str:
+    """A model description of FMI 3.0 of the same unit, with arrays, bytes and numbers of other widths."""
+    types = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
+    lines = []
+    for name, (reference, what, kind) in VARIABLES.items():
+        kind = kind.format(u="", y="", rate="")
+        tag, start = kind[1:].split("/")[0].split(" ")[0], kind[1:].partition(" ")[2].rstrip("/>")
+        if tag == "String":
+            value = f'<Start {start.replace("start", "value")}/>' if start else ""
+            lines.append(f'<String name="{name}" valueReference="{reference}" {what}>{value}</String>')
+        else:
+            lines.append(f'<{types[tag]} name="{name}" valueReference="{reference}" {what} {start}/>')
+    for k, (name, tag) in enumerate(MORE.items()):
+        inside = '<Dimension start="3"/>' if name == "array" else ""
+        start = '<Start value="00"/>' if tag == "Binary" else ""
+        about = 'start="1 2 3"' if name == "array" else "" if tag == "Binary" else 'start="0"'
+        lines.append(f'<{tag} name="{name}_in" valueReference="{30 + 2 * k}" causality="input" {about}>{inside}{start}</{tag}>')
+        lines.append(f'<{tag} name="{name}" valueReference="{31 + 2 * k}" causality="output">{inside}</{tag}>')
+    inputs = {name: VARIABLES[[*VARIABLES][int(on) - 1]][0] for name, on in DEPENDS.items() if on}
+    outputs = [f'<Output valueReference="{VARIABLES[n][0]}" dependencies="{inputs.get(n, "")}"/>' for n in DEPENDS]
+    outputs += [f'<Output valueReference="{31 + 2 * k}" dependencies="{30 + 2 * k}"/>' for k in range(5)]
+    new_line = "\n"
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="zoo" instantiationToken="{manner}" generationTool="by hand">
+<CoSimulation modelIdentifier="zoo" canGetAndSetFMUState="{str(rollback).lower()}" hasEventMode="{str(events).lower()}"
+  canHandleVariableCommunicationStepSize="true"/>
+<ModelVariables>
+{new_line.join(lines)}
+{extra}</ModelVariables>
+<ModelStructure>{"".join(outputs)}</ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def animal3(path: Path, manner: str = "sound", **about: Any) -> str:
+    """As `animal`, of FMI 3.0."""
+    platform, suffix = platform_tuple()
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", description3(manner, **about))
+        archive.writestr(f"binaries/{platform}/zoo{suffix}", library(3))
+    return str(path)
 
 
 def animal(path: Path, manner: str = "sound", *, entries: Mapping[str, str] | None = None, **about: Any) -> str:

@@ -78,3 +78,26 @@ def wanted(unit: ResolvedUnit, scene: ResolvedScene, held: bool) -> Wanted:
         rates = [rate[0] for n in sources if (rate := rate_of(description, n))]
         names += rates + indicators(description) + ([CLOCK] if has(description, CLOCK) else [])
     return Wanted(connected, sources, list(dict.fromkeys(names)), cubic=not held)
+
+
+def evaluation_order(into: Sequence[Sequence[Signal]]) -> list[int]:
+    """Units in the order of evaluation: after every unit whose output goes straight through them. ``into``: the signals into
+    each unit."""
+    hard = {i: {s.source for s in signals if s.input.feedthrough} for i, signals in enumerate(into)}
+    order: list[int] = []
+    left = list(range(len(into)))
+    while left:
+        missing = {i: len({s.source for s in into[i]} & set(left)) for i in left}
+        free = [i for i in left if not hard[i] & set(left)] or left
+        order.append(min(free, key=lambda i: (missing[i], i)))
+        left.remove(order[-1])
+    return order
+
+
+def looped(order: Sequence[int], backward: Sequence[Signal], into: Sequence[Sequence[Signal]]) -> list[int]:
+    """Units, in order, whose inputs depend on a signal that runs backward in the order."""
+    touched = {s.target for s in backward}
+    for i in order:
+        if any(s.source in touched for s in into[i]):
+            touched.add(i)
+    return [i for i in order if i in touched]

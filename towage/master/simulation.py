@@ -109,13 +109,15 @@ class _Simulation:
         self.on_grid = settings.on_grid
         searches = settings.events and not scheme.holds and not self.on_grid
         self.searches = searches and can_roll_back and bool(system.indicators)
-        self.clocks = not scheme.holds and bool(system.clocks)
+        self.clocks = not scheme.holds and bool(system.clocks or system.eventful)
         self.keeps = can_roll_back and (self.searches or self.tolerance is not None or scheme.goes_back)
         self.grid = settings.step if settings.step is not None else settings.max_step
         self.control = self.max_step if self.tolerance is None else min(self.max_step, 1e-3 * self.stop)
         self.time, self.done, self.rows = 0.0, 0, 0
         self.before = indications(system) if self.searches else []
         self.limit = system.floor = allowed(settings.tolerance) if system.foreign else 0.0
+        for i in system.eventful:
+            system.units[i].instance.locates = self.keeps and not self.on_grid
         if self.on_grid:
             self.stop = max(1, math.floor(self.stop / self.grid + MERGE)) * self.grid
 
@@ -202,6 +204,8 @@ class _Simulation:
 
     def shorter(self, refusal: StepRefused, time: float, step: float) -> float:
         """The step to try after a refusal. Raises `RunError` where there is none."""
+        if refusal.event is not None:
+            return refusal.event - time
         if self.on_grid:
             names = ", ".join(self.on_grid)
             raise RunError(f"a unit refused the step of {step:g} s ({refusal}), and {names} takes steps of one size only: "
@@ -249,10 +253,14 @@ class _Simulation:
             system.refresh(end)
         elif system.discrete and system.jumped():
             system.refresh(end)
+        if system.eventful and system.handle_events(end):
+            system.refresh(end)
         if self.searches:
             self.before = indications(system)
         self.time = run.time = end
         run.steps.append(step)
+        if system.endings and (enders := [name for name, at in system.endings if abs(at - end) <= MERGE * step]):
+            run.ended_by, self.stop = enders[0], end
         if self.tolerance is None and end >= (self.done + 1) * self.grid - MERGE * self.grid:
             self.done += 1
         due = end >= (self.rows + 1) * self.interval - MERGE * self.grid

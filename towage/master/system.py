@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from towage.master.initial import initialise
-from towage.master.signals import Signal, TextSignal, signal, wanted
+from towage.master.signals import Signal, TextSignal, evaluation_order, looped, signal, wanted
 from towage.scene.resolve import ResolvedScene
 from towage.units.archive import unpacked
 from towage.units.conventions import CLOCK, FREEZE, has, indicators
@@ -53,6 +53,7 @@ class System:
         self.scales: dict[int, list[float]] = {}
         self.floor = 0.0
         self.late_units: set[str] = set()
+        self.endings: list[tuple[str, float]] = []
         self._freeze = freeze
         self.units: list[Unit] = []
         self.old_step = 0.0
@@ -66,10 +67,17 @@ class System:
                 self.units.append(unit)
                 unit.can_roll_back = unit.can_roll_back and unit.name not in self.distrusted
                 unit.instance.log.follow(lambda: self.time)
+                unit.endings = self.endings
         except BaseException:
             self.close()
             raise
         number = {unit.name: i for i, unit in enumerate(self.units)}
+        self._wire(number)
+        self._known(held)
+
+    def _wire(self, number: Mapping[str, int]) -> None:
+        """The signals between units, whose places are in ``number``, and the order of evaluation."""
+        scene = self.scene
         numeric = [c for c in scene.connections if c.target in self.units[number[c.target_unit]].inputs]
         self.signals = [signal(c, self.units, number) for c in numeric]
         self.texts = [
@@ -80,14 +88,19 @@ class System:
         self._unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
-        self.order = self._order()
+        self.order = evaluation_order(self.into)
         place = {unit: k for k, unit in enumerate(self.order)}
         for s in self.signals:
             s.backward = place[s.source] >= place[s.target]
         self.backward = [s for s in self.signals if s.backward]
-        self.looped = self._looped()
+        self.looped = looped(self.order, self.backward, self.into)
+
+    def _known(self, held: bool) -> None:
+        """What the master has to look after in these units."""
+        scene = self.scene
         ours = ("python", "native")
         self.foreign = [i for i, unit in enumerate(self.units) if scene.units[unit.name].flavour not in ours]
+        self.eventful = [i for i, unit in enumerate(self.units) if unit.description.event_mode]
         late = {s.target for s in self.signals if s.input.late and not s.input.orders}
         self.late = [] if held else sorted(late)
         self.indicators = [
@@ -96,26 +109,6 @@ class System:
             if n in unit.slot and not n.endswith("_rate")
         ]  # fmt: skip
         self.clocks = [(i, u.slot[CLOCK]) for i, u in enumerate(self.units) if CLOCK in u.slot and has(u.description, CLOCK)]
-
-    def _order(self) -> list[int]:
-        """Units in the order of evaluation: after every unit whose output goes straight through them."""
-        hard = {i: {s.source for s in self.into[i] if s.input.feedthrough} for i in range(len(self.units))}
-        order: list[int] = []
-        left = list(range(len(self.units)))
-        while left:
-            missing = {i: len({s.source for s in self.into[i]} & set(left)) for i in left}
-            free = [i for i in left if not hard[i] & set(left)] or left
-            order.append(min(free, key=lambda i: (missing[i], i)))
-            left.remove(order[-1])
-        return order
-
-    def _looped(self) -> list[int]:
-        """Units, in order, whose inputs depend on a signal that runs backward in the order."""
-        touched = {s.target for s in self.backward}
-        for i in self.order:
-            if any(s.source in touched for s in self.into[i]):
-                touched.add(i)
-        return [i for i in self.order if i in touched]
 
     # ---- start, communication points --------------------------------------------------------------------------------
 
@@ -168,6 +161,16 @@ class System:
     def jumped(self) -> bool:
         """Whether a discrete signal changed over the step that was accepted last."""
         return any(s.value != s.old_value for s in self.discrete)
+
+    def handle_events(self, time: float) -> bool:
+        """Have units with event mode handle what is due at the communication point; whether anything was."""
+        handled = [i for i in self.eventful if self.units[i].instance.handle_events()]
+        for i in handled:
+            self.units[i].get(time)
+            self.read(i)
+            for s in self.out[i]:
+                s.value, s.rate = s.end_value, s.end_rate
+        return bool(handled)
 
     def pass_texts(self) -> None:
         """Pass texts on, which are held between communication points."""
@@ -291,5 +294,5 @@ class System:
 
     def next_event(self, time: float) -> float:
         """The earliest event time that a unit announces after ``time``."""
-        ahead = [self.units[i].values[k] for i, k in self.clocks]
+        ahead = [self.units[i].values[k] for i, k in self.clocks] + [self.units[i].instance.next_event for i in self.eventful]
         return min((t for t in ahead if t > time + 1e-12 * (1.0 + abs(time))), default=float("inf"))

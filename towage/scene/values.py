@@ -141,7 +141,9 @@ class Values:
             value = self._quantity(unit, variable, given, key)
         elif variable.type == "Real" and isinstance(given, int) and not isinstance(given, bool):
             value = float(given) if abs(given) < 2**1000 else math.inf
-        expected = {"Real": float, "Boolean": bool, "String": str}.get(variable.type, int)
+        expected = {"Real": float, "Boolean": bool, "String": str, "Binary": str}.get(variable.type, int)
+        if variable.type == "Binary" and not re.fullmatch(r"([0-9a-fA-F]{2}|\s)*", str(value)):
+            raise self._names.fault(f"{given!r} is no Binary: write hexadecimal digits, two a byte", key)
         if type(value) is not expected:
             raise self._names.fault(f"{given!r} is no {variable.type}, as {variable.name} is", key)
         if isinstance(value, (bool, str)):

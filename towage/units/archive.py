@@ -1,4 +1,4 @@
-"""FMI 2.0 co-simulation archives, read and unpacked without running or trusting anything in them.
+"""FMI 2.0 and 3.0 co-simulation archives, read and unpacked without running or trusting anything in them.
 
 ``read_description`` answers what a scene needs to be checked; ``extract`` unpacks after every check. What is refused:
 names that leave the directory or collide, links, decompression bombs, truncated or damaged data, a DOCTYPE (entities),
@@ -28,7 +28,8 @@ from msgspec.structs import replace
 
 from towage.errors import FmuError
 from towage.units import binary
-from towage.units.description import Description, DescriptionReader, InvalidDescription
+from towage.units.description import Description
+from towage.units.reader import DescriptionReader, InvalidDescription
 
 MAX_ENTRIES = 10_000
 MAX_UNPACKED = 512 * 2**20
@@ -76,7 +77,7 @@ def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
 
 def check_platform(description: Description) -> str:
     """The name of this platform's directory in ``binaries``. Raises ``FmuError`` if the FMU has no binary for it."""
-    platform, suffix = binary.platform_name()
+    platform, suffix = binary.platform_name() if description.fmi_version == "2.0" else binary.platform_tuple()
     if platform not in description.platforms:
         raise FmuError(
             f"no binary for {platform} (binaries/{platform}/{description.model_identifier}{suffix}); "
@@ -249,7 +250,23 @@ def _describe(path: Path, archive: zipfile.ZipFile) -> Description:
         raise FmuError(f"larger than {MAX_XML >> 20} MB", file=path, entry=_DESCRIPTION)
     root = _parse(path, archive.read(_DESCRIPTION))
     try:
-        description = DescriptionReader(root).description(path, names)
+        description = _reader(root).description(path, names)
         return replace(description, warnings=description.warnings + _unportable(names))
     except InvalidDescription as error:
         raise FmuError(str(error), file=path, entry=_DESCRIPTION) from None
+
+
+def _reader(root: ElementTree.Element) -> DescriptionReader:
+    """What reads this version. Raises `InvalidDescription` for one that is not supported."""
+    if root.tag != "fmiModelDescription":
+        raise InvalidDescription(f"root element is {root.tag!r}, expected 'fmiModelDescription'")
+    version = root.get("fmiVersion", "")
+    if version == "2.0":
+        return DescriptionReader(root)
+    if re.match(r"3\.[0-9]", version):
+        from towage.units.reader3 import DescriptionReader3
+
+        return DescriptionReader3(root)
+    raise InvalidDescription(
+        f"FMI version {version!r} is not supported, expected '2.0' or '3.0': export the model as FMI 2.0 or 3.0"
+    )

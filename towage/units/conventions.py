@@ -23,6 +23,7 @@ Definition = tuple[tuple[int, ...], float, float]
 """Exponents of the base units, factor and offset of a unit of measure."""
 CLOCK = "next_event_time"
 FREEZE = "freeze_branches"
+INDICATORS = "event_indicator"
 _UNITS = {CLOCK: "s", "port_stiffness": "N/m", "port_mass": "kg"}
 
 
@@ -68,8 +69,12 @@ def takes_derivatives(description: Description, name: str) -> bool:
 
 
 def indicators(description: Description) -> list[str]:
-    """The zero-crossing functions of branches, and their rates."""
-    named = (v.name for v in description.variables if v.name.startswith("event_") and v.type == "Real")
+    """The zero-crossing functions of branches, and their rates; not the vector of all of them that our FMI 3 units have for
+    model exchange."""
+    named = (
+        v.name for v in description.variables
+        if v.name.startswith("event_") and v.type == "Real" and v.name.partition("[")[0] != INDICATORS
+    )  # fmt: skip
     return list(named) if description.conventions else []
 
 

@@ -23,11 +23,13 @@ SAME_TIME = 1e-9
 
 class StepRefused(Exception):
     """fmi2DoStep returned Discard or Error: the instance may be restored and stepped otherwise. ``ends``: unless ``unit``
-    ends the simulation by itself, at ``reached`` (s, None: it does not say)."""
+    ends the simulation by itself, at ``reached`` (s, None: it does not say). ``event``: a step that ends there, s, will do."""
 
-    def __init__(self, text: str, unit: str, ends: bool = False, reached: float | None = None) -> None:
+    def __init__(
+        self, text: str, unit: str, ends: bool = False, reached: float | None = None, event: float | None = None
+    ) -> None:
         super().__init__(text)
-        self.unit, self.ends, self.reached = unit, ends, reached
+        self.unit, self.ends, self.reached, self.event = unit, ends, reached, event
 
 
 class Unit:
@@ -50,8 +52,9 @@ class Unit:
         self.slot = {n: k for k, n in enumerate(self.outputs)}
         self.values: list[float] = [0.0] * len(self.outputs)
         self.begun = False
+        self.endings: list[tuple[str, float]] = []
         self.can_roll_back = description.can_get_set_state
-        self.instance = Instance(name, description, directory)
+        self.instance = instance_of(name, description, directory)
         self._state = c_void_p()
         self.advance = self._stepper()
 
@@ -93,7 +96,16 @@ class Unit:
             if status:
                 self._check(status, "setting input derivatives", time)
         if wiring.others.any_in:
-            wiring.others.set(instance, self.input_buffer, lambda status: self._check(status, "setting inputs", time))
+            self._set_others(time)
+
+    def _set_others(self, time: float) -> None:
+        """Pass on the inputs that are no doubles."""
+        try:
+            self.wiring.others.set(
+                self.instance, self.input_buffer, lambda status: self._check(status, "setting inputs", time)
+            )
+        except ValueError as error:
+            raise RunError(str(error), unit=self.name, time=time) from None
 
     def get(self, time: float) -> list[float]:
         """Read the outputs into ``values``. Raises `RunError` if one is not finite."""
@@ -148,7 +160,7 @@ class Unit:
                 if status:
                     check(status, "setting input derivatives", time)
             if words_in:
-                others.set(instance, self.input_buffer, lambda status: check(status, "setting inputs", time))
+                self._set_others(time)
             status = do_step(component, time, size, NEVER_BEFORE)
             if status and status != WARNING:
                 self._refused(status, time, size)
@@ -173,10 +185,11 @@ class Unit:
             self._check(status, "the step", time)
         ends, reached = self.instance.ended() if status == DISCARD else (False, None)
         if ends and reached is not None and abs(reached - (time + size)) <= SAME_TIME * size:
+            self.endings.append((self.name, time + size))
             return
         said = self.instance.log.said
         text = f"{self.name}, {STATUS[status]}" + (f": {said}" if said else "")
-        raise StepRefused(text, self.name, ends, reached)
+        raise StepRefused(text, self.name, ends, reached, self.instance.event_inside())
 
     def save(self, time: float) -> None:
         """Keep the present state for `restore`; only the newest is kept."""
@@ -202,6 +215,15 @@ class Unit:
         if not self.instance.dead:
             self.forget()
         self.instance.close()
+
+
+def instance_of(name: str, description: Description, directory: Path) -> Instance:
+    """An instance of the FMU's version of FMI. Raises what `Instance` raises."""
+    if description.fmi_version == "2.0":
+        return Instance(name, description, directory)
+    from towage.units.library3 import Instance3
+
+    return Instance3(name, description, directory)
 
 
 UnitFactory = Callable[[str, Description, Path, Wanted], Unit]

@@ -20,9 +20,12 @@ CTYPES: dict[str, Any] = {
     "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p,
     "Float32": c.c_float, "Int8": c.c_int8, "UInt8": c.c_uint8, "Int16": c.c_int16, "UInt16": c.c_uint16,
     "Int32": c.c_int32, "UInt32": c.c_uint32, "Int64": c.c_int64, "UInt64": c.c_uint64, "bool": c.c_bool,
-    "Binary": c.c_void_p,
+    "Binary": c.c_void_p, "Float64": c.c_double, "Float64 discrete": c.c_double,
 }  # fmt: skip
-"""The C type of a value by ``Variable.kind``; "bool" is FMI 3's Boolean, "Integer" and "Boolean" are FMI 2's."""
+"""The C type of a value by ``Variable.kind``; "bool" is FMI 3's Boolean, "Integer" and "Boolean" are FMI 2's, and a discrete
+double of FMI 3 is a kind of its own, because it is set in event mode alone."""
+FUNCTIONS = {"bool": "Boolean", "Float64 discrete": "Float64"}
+"""The type in the names of the calls, where it is not the kind."""
 DOUBLES = ("Real", "Float64")
 TEXTS = ("String", "Binary")
 Text = str | bytes
@@ -40,10 +43,13 @@ class Group:
         self.references = (c.c_uint * len(numbers))(*numbers)
         self.values = (CTYPES[kind] * len(variables))()
         self.sizes = (c.c_size_t * len(variables))()
+        self.function = FUNCTIONS.get(kind, kind)
+        self.discrete = all(v.variability != "continuous" for v in variables)
+        self.before: list[float | Text] | None = None
         self._alive: list[Any] = []
 
     def put(self, values: Sequence[float | Text]) -> None:
-        """Values to be set."""
+        """Values to be set. Raises ``ValueError`` for a number that the kind does not hold."""
         if self.kind == "Binary":
             self._alive = [c.create_string_buffer(bytes(v), len(v) + 1) for v in map(_binary, values)]
             self.sizes[:] = [len(_binary(v)) for v in values]
@@ -51,10 +57,14 @@ class Group:
         elif self.kind == "String":
             self._alive = [str(v).encode() for v in values]
             self.values[:] = self._alive
-        elif self.kind == "Float32":
+        elif self.kind.startswith("Float"):
             self.values[:] = [float(v) for v in values]
         else:
-            self.values[:] = [round(float(v)) for v in values]
+            numbers = [round(float(v)) for v in values]
+            self.values[:] = numbers
+            for name, wanted, held in zip(self.names, numbers, self.values):
+                if wanted != held:
+                    raise ValueError(f"{name} is {self.kind}, which does not hold {wanted}")
 
     def taken(self) -> list[float | Text]:
         """The values that were got."""
@@ -66,15 +76,16 @@ class Group:
 
 
 def _binary(value: float | Text) -> bytes:
-    return value if isinstance(value, bytes) else str(value).encode()
+    """A binary as it is; a text, as a scene writes it, is read as hexadecimal digits."""
+    return value if isinstance(value, bytes) else bytes.fromhex(str(value))
 
 
 def groups(variables: Sequence[Variable], places: Sequence[int]) -> list[Group]:
     """The variables by kind, in order, with their places."""
-    kinds = dict.fromkeys(v.kind for v in variables)
     made = []
-    for kind in kinds:
-        chosen = [(v, place) for v, place in zip(variables, places) if v.kind == kind]
+    for kind, smooth in dict.fromkeys((v.kind, v.variability == "continuous") for v in variables):
+        alike = (v.kind == kind and (v.variability == "continuous") == smooth for v in variables)
+        chosen = [(v, place) for v, place, fits in zip(variables, places, alike) if fits]
         made.append(Group(kind, [v for v, _ in chosen], [place for _, place in chosen]))
     return made
 
@@ -89,12 +100,10 @@ class Others:
         self.any_in, self.any_out = bool(inputs or texts_in), bool(outputs or texts_out)
 
     def set(self, instance: Instance, buffer: Array[c.c_double], check: Callable[[int], None]) -> None:
-        """Pass the inputs on."""
-        for group in self.inputs:
-            group.put([buffer[k] for k in group.places])
-            check(instance.set_kind(group))
-        for group in self.texts_in:
-            group.put([self.words[n] for n in group.names])
+        """Pass the inputs on. Raises ``ValueError`` for a number that an input does not hold."""
+        for group in (*self.inputs, *self.texts_in):
+            texts = group.kind in TEXTS
+            group.put([self.words[n] for n in group.names] if texts else [buffer[k] for k in group.places])
             check(instance.set_kind(group))
 
     def get(self, instance: Instance, count: int, check: Callable[[int], None]) -> list[float]:

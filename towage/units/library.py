@@ -50,6 +50,9 @@ _LOGGER = fmi2CallbackLoggerTYPE(_log)
 class Instance:
     """An instance of the FMU unpacked in ``directory``, called ``name``.
 
+    ``next_event``: the next event in time that it announces, s, FMI 3 alone. ``locates``: the host takes a step that ends for
+    an event inside again.
+
     ``component`` is its address, the first argument of every function: ``set_real``, ``get_real``, ``set_derivatives``,
     ``get_derivatives``, ``do_step``, ``get_state``, ``set_state`` and ``free_state``, which return FMI's status. What the
     instance logs is in ``log``. ``dead``: it must not be called any more.
@@ -61,6 +64,8 @@ class Instance:
         self.name = name
         self.log = Log(name)
         self.dead = False
+        self.next_event = math.inf
+        self.locates = False
         try:
             self._slave = FMU2Slave(
                 guid=description.guid,
@@ -136,6 +141,14 @@ class Instance:
             self.dead = "fatal" in str(error)
             raise RunError(f"{stage} failed: {self.log.said or error}", unit=self.name, time=time) from error
 
+    def handle_events(self) -> bool:
+        """Whether the unit had events to handle at the communication point, which it has now: FMI 3 alone knows them."""
+        return False
+
+    def event_inside(self) -> float | None:
+        """Where the step that was refused last ended for an event, s; FMI 3 alone tells."""
+        return None
+
     def ended(self) -> tuple[bool, float | None]:
         """After a step that was discarded: (whether the unit ends the simulation by itself, up to when it came, s, if it
         says so)."""
@@ -155,7 +168,7 @@ class Instance:
         return self._kind("Get", group)
 
     def _kind(self, verb: str, group: Group) -> int:
-        function = _function(self._slave.dll, f"{verb}{group.kind}", c_void_p, c_void_p, c_size_t, c_void_p)
+        function = _function(self._slave.dll, f"{verb}{group.function}", c_void_p, c_void_p, c_size_t, c_void_p)
         return function(self.component, group.references, len(group.references), group.values)
 
     def real(self, reference: int) -> float:
