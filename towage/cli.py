@@ -29,6 +29,7 @@ COMMANDS = {
     "route": "towage.commands.route",
     "sweep": "towage.commands.sweep",
     "new": "towage.commands.new",
+    "vet": "towage.commands.vet",
 }
 INTERRUPTED = 130
 """128 + SIGINT, as shells have it."""

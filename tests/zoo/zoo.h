@@ -1,11 +1,16 @@
 /* The units of the zoo: one model, and what each of them does otherwise. Both versions of FMI stand on it. */
 #ifndef ZOO_H
 #define ZOO_H
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <fenv.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 /* Value references. Reals: inputs, outputs, parameters. Integers, Booleans, texts: input and output. */
 enum { U, Y, W, STAIRS, TOLERANCE, CALLS, GAIN, X0, END, NOISE, RATE, REALS };
@@ -68,6 +73,15 @@ static int zoo_step(Zoo *z, double time, double step, bool committed, bool *over
         z->say(z, Z_ERROR, "and so is everything else");
     }
     if (is(z, "talker") && time >= z->real[END]) return Z_ERROR;
+    static double shared;
+    if (is(z, "dies at once")) abort();
+    if (is(z, "wanders")) (void)!chdir("/");
+    if (is(z, "leaks")) memset(malloc(1000), 1, 1000);
+    if (is(z, "forks") && z->repeats == 0 && fork() == 0) pause();
+    if (is(z, "rounds")) fesetround(FE_UPWARD);
+    if (is(z, "opens")) (void)!open("/dev/null", O_RDONLY);
+    if (is(z, "shares")) z->x += shared, shared += 1.0;
+    if (is(z, "chance")) z->x += 1e-3 * (double)(clock() % 1000);
     if (is(z, "dies") && time >= z->real[END]) {
         z->say(z, Z_WARNING, "something is burning");
         abort();

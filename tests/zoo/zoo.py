@@ -28,7 +28,7 @@ OUTPUT = 'causality="output" variability="{}"'
 VARIABLES = {
     "u": (0, 'causality="input" variability="continuous"', '<Real start="0"{u}/>'),
     "y": (1, OUTPUT.format("continuous"), "<Real{y}/>"),
-    "w": (2, OUTPUT.format("continuous"), "<Real/>"),
+    "w": (2, OUTPUT.format("continuous"), "<Real{w}/>"),
     "stairs": (3, OUTPUT.format("discrete"), "<Real/>"),
     "tolerance": (4, OUTPUT.format("discrete"), "<Real/>"),
     "calls": (5, OUTPUT.format("discrete"), "<Real/>"),
@@ -74,12 +74,13 @@ def description(
     names: Mapping[str, str] | None = None,
     reals: Mapping[str, str] | None = None,
     declared: bool = True,
+    depends: Mapping[str, str] | None = None,
     extra: str = "",
     experiment: str = "",
 ) -> str:
     """A model description of FMI 2.0. ``names`` renames variables, ``reals`` are attributes of the type of u, y and rate;
     ``declared``: dependencies are."""
-    words = {"u": "", "y": "", "rate": "", **(reals or {})}
+    words = {"u": "", "y": "", "w": "", "rate": "", **(reals or {})}
     renamed = names or {}
     variables = "\n".join(
         f'<ScalarVariable name="{renamed.get(name, name)}" valueReference="{reference}" {what}>{kind.format(**words)}'
@@ -88,7 +89,7 @@ def description(
     )
     outputs = "".join(
         f'<Unknown index="{[*VARIABLES].index(name) + 1}"' + (f' dependencies="{on}"/>' if declared else "/>")
-        for name, on in DEPENDS.items()
+        for name, on in {**DEPENDS, **(depends or {})}.items()
     )
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="zoo" guid="{manner}" generationTool="by hand">
@@ -108,7 +109,7 @@ def description3(manner: str = "sound", *, events: bool = False, rollback: bool 
     types = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
     lines = []
     for name, (reference, what, kind) in VARIABLES.items():
-        kind = kind.format(u="", y="", rate="")
+        kind = kind.format(u="", y="", w="", rate="")
         tag, start = kind[1:].split("/")[0].split(" ")[0], kind[1:].partition(" ")[2].rstrip("/>")
         if tag == "String":
             value = f'<Start {start.replace("start", "value")}/>' if start else ""

@@ -18,6 +18,7 @@ from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene
 from towage.units.fmu import UnitFactory
 from towage.units.store import cache
+from towage.units.vetted import stays
 
 FEWEST_STEPS = 50
 """The error control takes at least as many steps."""
@@ -45,6 +46,7 @@ def started(
     scene = (main or resolved).scene
     held = scene.coupling.scheme != "auto" and SCHEMES.get(scene.coupling.scheme).holds
     freeze = scene.coupling.events and not held and not on_grid(resolved)
+    distrusted = {**_vetted(resolved), **(distrusted or {})}
     system = System(resolved, cache() / "unpacked", freeze, held, make_unit, distrusted)
     try:
         system.start(0.0, scene.stop_time, scene.coupling.tolerance)
@@ -80,6 +82,12 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
     interval = scene.record.interval or step or stop / DEFAULT_POINTS
     settings = Settings(scheme, step, tolerance, max_step, coupling.events, interval, stop, grid)
     return Plan(settings, start, findings)
+
+
+def _vetted(resolved: ResolvedScene) -> dict[str, str]:
+    """The units of other makes that `towage vet` found not to restore their state, and why."""
+    others = ((name, unit) for name, unit in resolved.units.items() if not unit.description.conventions)
+    return {name: why for name, unit in others if (why := stays(unit.path))}
 
 
 def on_grid(resolved: ResolvedScene) -> tuple[str, ...]:
