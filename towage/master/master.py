@@ -17,7 +17,7 @@ from towage.errors import RunError
 from towage.master.others import OtherRuns, weight
 from towage.master.plan import plan, refuse, started
 from towage.master.recorder import read_events, read_journal, read_messages, recorder_of
-from towage.master.said import after
+from towage.master.said import after, listen, messages
 from towage.master.simulation import Run, Settings, simulate
 from towage.master.stages import Report, Stages
 from towage.master.system import System
@@ -143,7 +143,7 @@ def _coupled_run(
     that the run reached; what is recorded, events, counts and what the units said go to the result, which is a failed one where
     the run fails. Raises `NotRepeatable` where ``auto`` may choose again."""
     recorder = recorder_of(system, journal)
-    system.listen(recorder.message)
+    listen(system, recorder.message)
     try:
         run = simulate(system, settings, recorder, stages.progress(MAIN, settings.stop_time))
     except NotRepeatable as fault:
@@ -161,7 +161,7 @@ def _coupled_run(
     _keep(result, resolved, columns)
     result.texts = recorder.text_columns()
     result.events = run.events
-    result.messages = system.messages()
+    result.messages = messages(system)
     result.checks += after(system, settings, run)
     result.step_sizes = np.array(run.steps)
     result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 from towage.master.simulation import Run, Settings
 from towage.master.system import System
 from towage.result.records import Finding
-from towage.units.log import STATUS
+from towage.units.log import STATUS, Message
 
 GRAVE = STATUS[2:]
+
+
+def listen(system: System, write: Callable[[Message], None]) -> None:
+    """Have what the units say written, what they said before first."""
+    for unit in system.units:
+        unit.instance.log.follow(lambda: system.now(), write)
+
+
+def messages(system: System) -> list[Message]:
+    """What the units said, in order of time."""
+    every = [message for unit in system.units for message in unit.instance.log.messages]
+    return sorted(every, key=lambda message: -math.inf if message.time is None else message.time)
 
 
 def after(system: System, settings: Settings, run: Run) -> list[Finding]:

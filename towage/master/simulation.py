@@ -100,7 +100,9 @@ class _Simulation:
     def __init__(self, system: System, settings: Settings, recorder: Recorder) -> None:
         self.system = system
         self.recorder = recorder
+        self.cares, self.texts = bool(system.foreign or system.discrete or system.texts), bool(recorder.texts)
         self.run = Run(bonds=accounts(system))
+        system.now = lambda: self.run.time
         self.stop, self.interval, self.tolerance = settings.stop_time, settings.record_interval, settings.tolerance
         self.max_step = settings.max_step
         scheme = settings.scheme
@@ -172,11 +174,11 @@ class _Simulation:
 
     def attempt(self, time: float, step: float) -> tuple[float, float]:
         """Try the step, and shorter ones if a unit refuses: (error estimate, step that was done)."""
-        least = LEAST_STEP * math.ulp(max(abs(time), self.stop))
         while True:
             try:
                 return self.scheme_step(self.system, time, step), step
             except StepRefused as refusal:
+                least = LEAST_STEP * math.ulp(max(abs(time), self.stop))
                 if refusal.ends:
                     step = self.last_step(refusal, time, step)
                     if len(self.system.units) == 1:  # it stands there already
@@ -241,25 +243,21 @@ class _Simulation:
         for bond in run.bonds:
             bond.add(step)
         system.accept(step)
-        system.time = end
-        if system.late:
-            system.settle(end)
-        if system.texts:
-            system.pass_texts()
-        if crossed or end >= announced:
-            for event in happened(system, end, self.before, announced if end >= announced else None):
-                run.events.append(event)
-                self.recorder.event(event)
-            system.refresh(end)
-        elif system.discrete and system.jumped():
-            system.refresh(end)
-        if system.eventful and system.handle_events(end):
+        run.time = end
+        if self.cares:
+            system.look_after(end)
+        event = crossed or end >= announced
+        if event:
+            for one in happened(system, end, self.before, announced if end >= announced else None):
+                run.events.append(one)
+                self.recorder.event(one)
+        if (self.cares and system.changed(end)) or event:
             system.refresh(end)
         if self.searches:
             self.before = indications(system)
-        self.time = run.time = end
+        self.time = end
         run.steps.append(step)
-        if system.endings and (enders := [name for name, at in system.endings if abs(at - end) <= MERGE * step]):
+        if self.cares and (enders := [name for name, at in system.endings if abs(at - end) <= MERGE * step]):
             run.ended_by, self.stop = enders[0], end
         if self.tolerance is None and end >= (self.done + 1) * self.grid - MERGE * self.grid:
             self.done += 1
@@ -274,5 +272,5 @@ class _Simulation:
         """Append the values of all units; ``recorded``: the scene records them."""
         units = self.system.units
         self.recorder.row(time, [unit.values for unit in units], recorded)
-        if self.recorder.texts:
+        if self.texts:
             self.recorder.words({unit.name: unit.wiring.others.words for unit in units})

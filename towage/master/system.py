@@ -21,7 +21,6 @@ from towage.scene.resolve import ResolvedScene
 from towage.units.archive import unpacked
 from towage.units.conventions import CLOCK, FREEZE, has, indicators
 from towage.units.fmu import Unit, UnitFactory
-from towage.units.log import Message
 
 ROUNDING = 1e-12
 """Share of a signal's largest value by which rounding may change it."""
@@ -48,7 +47,7 @@ class System:
     ) -> None:
         self.scene = scene
         self.distrusted = dict(distrusted or {})
-        self.time: float | None = None
+        self.now: Callable[[], float | None] = lambda: None
         self.noise: dict[str, float] = {}
         self.scales: dict[int, list[float]] = {}
         self.floor = 0.0
@@ -66,7 +65,7 @@ class System:
                 unit = make(resolved.name, resolved.description, directory, wanted(resolved, scene, held))
                 self.units.append(unit)
                 unit.can_roll_back = unit.can_roll_back and unit.name not in self.distrusted
-                unit.instance.log.follow(lambda: self.time)
+                unit.instance.log.follow(lambda: self.now())
                 unit.endings = self.endings
         except BaseException:
             self.close()
@@ -85,6 +84,10 @@ class System:
             for c in scene.connections if c not in numeric
         ]  # fmt: skip
         self.discrete = [s for s in self.signals if s.discrete]
+        self._offset: dict[int, list[Signal]] = {}
+        for s in self.signals:
+            if s.offset:
+                self._offset.setdefault(s.source, []).append(s)
         self._unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
@@ -122,7 +125,6 @@ class System:
             own = unit.description.default_experiment.tolerance
             unit.enter(parameters, (start_time, stop_time), own if tolerance is None else tolerance)
         initialise(self, start_time)
-        self.time = start_time
         self.accept(0.0)
         self.refresh(start_time)
 
@@ -158,11 +160,17 @@ class System:
             if moved and unit.values == before:
                 self.late_units.add(unit.name)
 
-    def jumped(self) -> bool:
-        """Whether a discrete signal changed over the step that was accepted last."""
-        return any(s.value != s.old_value for s in self.discrete)
+    def look_after(self, time: float) -> None:
+        """What units of other makes need at a communication point: `settle`, and texts, which are held over a step, passed on."""
+        if self.late:
+            self.settle(time)
+        self.pass_texts()
 
-    def handle_events(self, time: float) -> bool:
+    def changed(self, time: float) -> bool:
+        """Whether a discrete signal changed over the step that was accepted last, or a unit has handled events."""
+        return self._handle_events(time) or any(s.value != s.old_value for s in self.discrete)
+
+    def _handle_events(self, time: float) -> bool:
         """Have units with event mode handle what is due at the communication point; whether anything was."""
         handled = [i for i in self.eventful if self.units[i].instance.handle_events()]
         for i in handled:
@@ -210,16 +218,6 @@ class System:
         """Restore the saved state of some units (default: all)."""
         for i in range(len(self.units)) if units is None else units:
             self.units[i].restore(self.saved_at)
-
-    def listen(self, write: Callable[[Message], None]) -> None:
-        """Have what the units say written, what they said before first."""
-        for unit in self.units:
-            unit.instance.log.follow(lambda: self.time, write)
-
-    def messages(self) -> list[Message]:
-        """What the units said, in order of time."""
-        every = [message for unit in self.units for message in unit.instance.log.messages]
-        return sorted(every, key=lambda message: -math.inf if message.time is None else message.time)
 
     @property
     def can_roll_back(self) -> bool:
@@ -271,10 +269,11 @@ class System:
         values = self.units[i].values
         for s in self.out[i]:
             s.end_value = values[s.slot] * s.factor
-            if s.offset:
-                s.end_value += s.offset
             if s.rated:
                 s.end_rate = values[s.rate_slot] * s.rate_factor
+        if i in self._offset:
+            for s in self._offset[i]:
+                s.end_value += s.offset
 
     def _write(self, i: int, step: float) -> None:
         unit = self.units[i]
