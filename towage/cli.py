@@ -35,6 +35,7 @@ COMMANDS = {
     "sweep": "towage.commands.sweep",
     "simplest": "towage.commands.simplest",
     "new": "towage.commands.new",
+    "vet": "towage.commands.vet",
 }
 EXIT_CODES = """exit codes:
   0    done, whatever the verdict

@@ -140,6 +140,7 @@ CHECKS = Registry(
     "check",
     "towage.checks.check:Check",
     {
+        "units": "towage.checks.units:CHECK",
         "inputs": "towage.checks.inputs:CHECK",
         "step": "towage.checks.step:CHECK",
         "error": "towage.checks.error:CHECK",

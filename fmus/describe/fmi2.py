@@ -80,7 +80,7 @@ def _root(unit: Unit, guid: str, indicators: int) -> Element:
 
 def _document(root: Element, interface: Interface) -> bytes:
     preamble(root, interface.variables)
-    _unset_inputs(root, interface.unit)
+    _annotations(root, interface.unit)
     variables, layout = SubElement(root, "ModelVariables"), interface.layout
     for reference, v in enumerate(interface.variables):
         real = _variable(variables, reference, v)
@@ -114,11 +114,17 @@ def preamble(root: Element, variables: Iterable[Variable]) -> None:
     SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
 
 
-def _unset_inputs(root: Element, unit: Unit) -> None:
-    """What it means that an input is neither connected nor set, for towage: ``needed``, or in words."""
+def _annotations(root: Element, unit: Unit) -> None:
+    tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
+    annotate(tool, unit)
+
+
+def annotate(tool: Element, unit: Unit) -> None:
+    """For towage, the same in FMI 2 and 3: that names mean what its conventions say, and what it means that an input is neither
+    connected nor set: ``needed``, or in words."""
+    SubElement(tool, "Conventions")
     said = [v for v in unit.inputs if v.needed or v.unset]
     if said:
-        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", name=GENERATION_TOOL)
         inputs = SubElement(tool, "Inputs")
         for v in said:
             SubElement(inputs, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})

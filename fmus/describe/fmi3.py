@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element, SubElement
 from ..declare.arrays import array_name, array_of, lengths
 from ..declare.interface import Interface
 from ..declare.unit import Variable
-from .fmi2 import document, number, preamble, root_element
+from .fmi2 import GENERATION_TOOL, annotate, document, number, preamble, root_element
 
 BOTH = {
     "needsExecutionTool": "false",
@@ -65,6 +65,7 @@ def model_description3(interface: Interface, identifier: str, token: str) -> byt
         )  # fmt: skip
         _dimension(indicators, interface.indicators)
     _structure(SubElement(root, "ModelStructure"), interface, counts)
+    annotate(SubElement(SubElement(root, "Annotations"), "Annotation", type=GENERATION_TOOL), unit)
     return document(root)
 
 

@@ -20,7 +20,10 @@ from towage.fmus.declare.unit import load, named
 from towage.fmus.native import build as native_fmu
 from towage.fmus.native.trace import trace
 from towage.fmus.python.instance import Instance
+from towage.master.master import run_resolved
 from towage.models.protocol.variables import local
+from towage.scene.flavour import resolve
+from towage.scene.scene import Scene
 
 from . import linear_example
 from .cases import CASES, NATIVE
@@ -218,3 +221,23 @@ def test_arrays_are_found_by_name() -> None:
     counts = lengths([named(n, local("1", "")) for n in names])
     assert counts == [1, 2, 0, 2, 0, 1, 1, 1, 1, 1, 1]
     assert [array_of(counts, k) for k in range(5)] == [0, 1, 1, 3, 3]
+
+
+def test_a_scene_of_our_units_runs_in_both_versions_to_the_same_bits(native: Callable[[str, int], Path]) -> None:
+    results = {}
+    for fmi in (2, 3):
+        units = {name: {"fmu": str(native(name, fmi))} for name in ("ship", "spring_line", "cradle")}
+        scene = Scene.from_dict({
+            "title": "Ours", "stop_time": 20.0, "units": units, "coupling": {"step": 0.1},
+            "connections": ["ship.heave -> spring_line.heave_top", "cradle.heave -> spring_line.heave_bottom",
+                            "spring_line.tension -> cradle.line_tension"],
+        })  # fmt: skip
+        results[fmi] = run_resolved(resolve(scene))
+    old, new = results[2], results[3]
+    assert new.status == "done", new.message
+    assert new.scheme == "hermite"
+    assert new.flavours == dict.fromkeys(units, "native")
+    assert not [finding for finding in new.checks if finding.name in ("units", "noise")]
+    assert old.columns.keys() == new.columns.keys()
+    for name, values in old.columns.items():
+        assert np.array_equal(values, new[name]), name

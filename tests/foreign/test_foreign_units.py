@@ -53,7 +53,8 @@ def test_plain_c_units_run_and_the_scheme_is_stated(tmp_path: Path, rollback: bo
     assert ("a, b cannot save and restore the state" in told) != rollback
     assert result["a.y"] == pytest.approx(np.cos(result.time), abs=CRUDE)
     assert result.flavours == {"a": "by hand", "b": "by hand"}
-    assert set(result.columns) == {"a.y", "b.y"}  # of the outputs the Real ones
+    assert set(result.columns) == {f"{unit}.{name}" for unit in "ab" for name in ("y", "steps", "moving")}
+    assert set(result.texts) == {"a.word", "b.word"}
 
 
 def test_parameters_of_all_types_reach_the_unit(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ from towage.ladder.scene_file import toml
 from towage.ladder.simplest import Ladder, recommended, scene_of, simplest
 from towage.models.heave.linear import equal_loss, equivalent_damping, transient
 from towage.result.result import Result
+from towage.scene.resolve import described
 from towage.scene.scene import Scene, available_scenes
 from towage.scene.select import select
 from towage.units.store import locator
@@ -308,7 +309,7 @@ def test_a_scene_without_motion_or_tension_is_refused() -> None:
     scene = select("float_quadrant2")
     result = Result("", "", "", "done", "", np.zeros(2), {"tow.margin_slack": np.zeros(2)}, {"tow.margin_slack": "1"})
     with pytest.raises(SceneError, match="no motion and no tension to compare models by"):
-        asked(scene, result, None)
+        asked(described(scene, locator(None)), result, None)
 
 
 def test_runs_of_rungs_keep_what_cuts_their_steps() -> None:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from towage.scene.resolve import ResolvedScene
     from towage.scene.scene import Scene
     from towage.scene.values import Names
+    from towage.units.description import Description
 
     Array = NDArray[np.float64]
 
@@ -75,14 +76,14 @@ class Component(Protocol):
     """A running unit, as checks see it (`towage.units.fmu.Unit`)."""
 
     name: str
+    can_roll_back: bool
+    description: Description
 
-    @property
-    def can_roll_back(self) -> bool: ...
     def constant(self, name: str) -> float | None: ...
 
 
 class Link(Protocol):
-    """A connection at work: positions of source and target among the units (`towage.master.system.Signal`)."""
+    """A connection at work: positions of source and target among the units (`towage.master.signals.Signal`)."""
 
     source: int
     target: int

@@ -20,14 +20,16 @@ from towage.errors import RunError
 from towage.result.records import Finding, Item, Word
 from towage.scene.parts import Variant
 from towage.scene.scene import Scene
+from towage.units.conventions import has, indicators
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
 
     from towage.result.result import Result
+    from towage.scene.resolve import ResolvedScene
 
     Array = NDArray[np.float64]
 
@@ -68,7 +70,7 @@ def after(run: Finished) -> list[Finding]:
     errors: dict[str, Array] = {}
     values: dict[str, Array] = {}
     decide = [section.motion, section.tension] if section else []
-    for name in dict.fromkeys([*judged_names(run.result.columns), *decide]):
+    for name in dict.fromkeys([*judged_names(run.scene, run.result.columns), *decide]):
         values[name] = run.track.at(name, times)
         errors[name] = share * (values[name] - coarse.at(name, times))
         if name in run.result.columns and (scale := float(np.max(np.abs(values[name]), initial=0.0))):
@@ -83,9 +85,17 @@ def after(run: Finished) -> list[Finding]:
     return [_finding(run, max(shares, key=shares.__getitem__), shares, tolerance)]
 
 
-def judged_names(columns: Mapping[str, Array]) -> list[str]:
-    """Recorded variables that have an error: no margins, which guard, and no event functions."""
-    return [name for name in columns if not name.split(".", 1)[1].startswith(("margin_", "event_"))]
+def judged_names(resolved: ResolvedScene, columns: Iterable[str]) -> list[str]:
+    """Those of ``columns`` that have an error: smooth ones, no margins, which guard, and no event functions."""
+    judged = []
+    for column in columns:
+        unit, _, name = column.partition(".")
+        description = resolved.units[unit].description
+        variable = description.by_name()[name]
+        smooth = variable.type == "Real" and variable.variability == "continuous"
+        guards = (name.startswith("margin_") and has(description, name)) or name in indicators(description)
+        judged += [column] if smooth and not guards else []
+    return judged
 
 
 def _share(values: Mapping[str, Array], errors: Mapping[str, Array], name: str, settled: NDArray[np.bool_]) -> float:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from towage.checks.check import Cell, Check, Finished, Part
 from towage.checks.verdict import GRAVITY
 from towage.result.records import Finding, Item, Margin, Word
+from towage.units.conventions import has
 
 if TYPE_CHECKING:
     from towage.result.result import Result
@@ -34,8 +35,9 @@ def after(run: Finished) -> list[Finding]:
     result, shown = run.result, run.scene.scene.checks.report_only
     known = {margin.variable for margin in result.margins}
     for name, values in run.track.columns.items():
-        unit, variable = name.split(".", 1)
-        if variable.startswith("margin_") and len(values) and name not in known:
+        unit, _, variable = name.partition(".")
+        stated = variable.startswith("margin_") and has(run.scene.units[unit].description, variable)
+        if stated and len(values) and name not in known:
             k = int(np.argmin(values))
             told = run.scene.units[unit].description.by_name()[variable].description
             margin = Margin(name, float(values[k]), float(run.track.time[k]), name not in shown)

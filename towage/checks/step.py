@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from towage.checks.check import Check, Scheme, Start, System
+from towage.checks.check import Check, Component, Scheme, Start, System
 from towage.registry import SCHEMES
 from towage.result.records import Finding
+from towage.units.conventions import has
 
 WARN = 0.5
 """H w above which the coupling error is felt: 12 steps a period."""
@@ -45,16 +46,21 @@ def loops(system: System) -> list[Loop]:
     """Interface loops that the units' port values tell of."""
     loops = []
     for i, unit in enumerate(system.units):
-        stiffness = unit.constant("port_stiffness")
+        stiffness = _port(unit, "port_stiffness")
         if not stiffness:
             continue
         neighbours = {s.source for s in system.into[i]} & {s.target for s in system.out[i]}
-        masses = {system.units[j].name: system.units[j].constant("port_mass") for j in sorted(neighbours)}
+        masses = {system.units[j].name: _port(system.units[j], "port_mass") for j in sorted(neighbours)}
         known = {name: mass for name, mass in masses.items() if mass}
         if known:
             frequency = math.sqrt(stiffness * sum(1.0 / mass for mass in known.values()))
             loops.append(Loop(unit.name, known, frequency))
     return loops
+
+
+def _port(unit: Component, name: str) -> float | None:
+    """What the unit contributes to the loop; None where it tells nothing, or means something else by the name."""
+    return unit.constant(name) if has(unit.description, name) else None
 
 
 def largest_step(loops: list[Loop], scheme: Scheme) -> float:

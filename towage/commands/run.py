@@ -50,7 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mat", action="store_true", help="write MATLAB files too")
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
     parser.epilog = (
-        "Every case is written to <case>.csv and <case>.npz, and one report.html shows them all.\n\n"
+        "Every case is written to <case>.csv and <case>.npz, what its units say to <case>.log, and one report.html shows "
+        "them all.\n\n"
         "example:\n  towage run sea_cliff --case '8 s wave' --set ship.heave_amplitude='4 ft' --out out/sea_cliff"
     )
 

@@ -20,7 +20,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """0 if all are right, 2 if one is not."""
     from towage.errors import TowageError
     from towage.scene.inputs import unset_text
-    from towage.scene.resolve import check_all
+    from towage.scene.resolve import check_all, warned
     from towage.scene.scene import Scene
     from towage.terminal import complain
     from towage.units.store import locator
@@ -28,8 +28,11 @@ def execute(arguments: argparse.Namespace) -> int:
     code, locate = 0, locator(arguments.fmus)
     for name in arguments.scenes:
         try:
-            forgotten = check_all(Scene.load(name), locate)
+            scene = Scene.load(name)
+            forgotten = check_all(scene, locate)
             print(f"{name}: ok", flush=True)
+            for text in warned(scene, locate):
+                print(f"  warning  units: {text}", flush=True)
             if forgotten:
                 print(f"  warning  inputs: {unset_text(forgotten)}", flush=True)
         except TowageError as error:

@@ -94,13 +94,13 @@ def system_structure(export: Export, bound: list[Bond]) -> bytes:
 def _connect(root: Element, export: Export, bound: list[Bond]) -> None:
     """Functions for converted connections, group connections for bonds, variable connections for the rest."""
     links = export.resolved.connections
-    converted = {c: f"conversion_{k}" for k, c in enumerate(c for c in links if c.factor != 1.0)}
+    converted = {c: f"conversion_{k}" for k, c in enumerate(c for c in links if (c.factor, c.offset) != (1.0, 0.0))}
     while set(converted.values()) & set(export.files):  # functions and units share their names
         converted = {c: f"{name}_" for c, name in converted.items()}
     if converted:
         functions = SubElement(root, "Functions")
         for c, name in converted.items():
-            SubElement(functions, "LinearTransformation", {"name": name, "factor": text(c.factor), "offset": "0"})
+            SubElement(functions, "LinearTransformation", {"name": name, "factor": text(c.factor), "offset": text(c.offset)})
     connections = SubElement(root, "Connections") if links else root
     for bond in bound:
         group = SubElement(connections, "VariableGroupConnection")

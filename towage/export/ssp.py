@@ -73,11 +73,11 @@ def system_structure(export: Export) -> bytes:
     for c in export.resolved.connections:
         ends = {"startElement": c.source_unit, "startConnector": c.source}
         ends |= {"endElement": c.target_unit, "endConnector": c.target}
-        if c.factor == 1.0:
+        if (c.factor, c.offset) == (1.0, 0.0):
             SubElement(connections, "ssd:Connection", ends)
         else:
             connection = SubElement(connections, "ssd:Connection", {**ends, "suppressUnitConversion": "true"})
-            SubElement(connection, "ssc:LinearTransformation", {"factor": text(c.factor), "offset": "0"})
+            SubElement(connection, "ssc:LinearTransformation", {"factor": text(c.factor), "offset": text(c.offset)})
     _define(root, "ssd", units)
     times = {"startTime": "0", "stopTime": text(scene.stop_time)}
     annotations = SubElement(SubElement(root, "ssd:DefaultExperiment", times), "ssd:Annotations")
@@ -143,5 +143,6 @@ def _define(root: Element, prefix: str, units: Units) -> None:
     for name, definition in units.items():
         powers = {base: str(power) for base, power in zip(BASES, definition.exponents, strict=True) if power}
         scale = {"factor": text(definition.factor)} if definition.factor != 1.0 else {}
+        scale |= {"offset": text(definition.offset)} if definition.offset else {}
         scale |= {"offset": text(definition.offset)} if definition.offset else {}
         SubElement(SubElement(element, "ssc:Unit", {"name": name}), "ssc:BaseUnit", powers | scale)

@@ -14,6 +14,7 @@ from towage.checks.signals import Difference, at_rest, difference, dominant_freq
 from towage.checks.track import Track, comparison_times
 from towage.ladder.axis import Array
 from towage.result.result import Result
+from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Record, Scene
 
 DEFAULT_TOLERANCE = 0.05
@@ -31,15 +32,16 @@ class Asked(NamedTuple):
     times: Array
 
 
-def asked(scene: Scene, given: Result, tolerance: float | None) -> Asked:
+def asked(resolved: ResolvedScene, given: Result, tolerance: float | None) -> Asked:
     """Motion and tension of the checks of the scene; without such checks every recorded length, angle and force of what
     something is connected to. Raises `SceneError` where there is none. ``given``: the run of the scene, with all outputs."""
+    scene = resolved.scene
     sdof, simpler = scene.checks.get("sdof"), scene.checks.get("simpler")
     named = [*((sdof.motion, sdof.tension) if sdof else ()), *(simpler.motions if simpler else ())]
     if not named:
         driven = {connection.partition(" -> ")[2].partition(".")[0] for connection in scene.connections}
         named = [
-            name for name in judged_names(given.columns)
+            name for name in judged_names(resolved, given.columns)
             if given.units[name] in ("m", "rad", "N") and (name.partition(".")[0] in driven or not driven)
         ]  # fmt: skip
     if not named:

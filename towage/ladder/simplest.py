@@ -101,9 +101,9 @@ def simplest(
         raise chosen.error(f"{tolerance} is out of range: expected a finite number above 0", "tolerance")
     way = _Way(None if fmus is None else Path(fmus), flavour, timeout, report)
     locate = locator(way.fmus)
-    described(chosen, locate)  # a scene that is refused is refused before anything runs
+    resolved = described(chosen, locate)  # a scene that is refused is refused before anything runs
     given = way.run(bare(chosen), "the scene as it is", (0, 8))
-    question = asked(chosen, given, tolerance)
+    question = asked(resolved, given, tolerance)
     base = Trial(chosen, {name: name for name in question.signals}, Seen(track(given), question.settle), locate)
     return _climbed(way, base, given, question)
 

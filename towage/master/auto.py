@@ -12,9 +12,10 @@ def choose(system: System, loops: list[Loop], step: float) -> tuple[Scheme, str]
     """(scheme, why) for a communication step of ``step`` s; 0 where the error control chooses it."""
     schemes = [scheme for scheme in map(SCHEMES.get, SCHEMES.own) if not scheme.holds]
     if not system.can_roll_back:
-        stuck = ", ".join(u.name for u in system.units if not u.can_roll_back)
+        stuck = ", ".join(u.name for u in system.units if not u.can_roll_back and u.name not in system.distrusted)
         explicit = max((s for s in schemes if not s.goes_back), key=lambda s: s.order)
-        return explicit, f"{stuck} cannot save and restore the state"
+        reasons = [f"{stuck} cannot save and restore the state"] if stuck else []
+        return explicit, "; ".join([*reasons, *(f"{unit} {why}" for unit, why in system.distrusted.items())])
     usual = min(schemes, key=lambda s: (-s.order, s.calls))
     solver = next(s for s in schemes if s.solves_loops)
     if not system.looped:

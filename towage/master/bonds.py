@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from towage.fmus.declare.quantities import dimension
 
 if TYPE_CHECKING:
-    from towage.master.system import Signal, System
+    from towage.master.signals import Signal
+    from towage.master.system import System
     from towage.scene.resolve import ResolvedConnection, ResolvedScene
 
 EFFORTS = {dimension("N"): False, dimension("N.m"): True}
@@ -97,7 +98,7 @@ class BondEnergy:
 def accounts(system: System) -> list[BondEnergy]:
     """An account for every bond whose motion has a known velocity. It is called by its units, effort first, and by the
     effort too where several bonds join the same units."""
-    signals = dict(zip(system.scene.connections, system.signals))
+    signals = {s.connection: s for s in system.signals}
     known = [bond for bond in bonds(system.scene) if bond.velocity or signals[bond.motion].rated]
     names = [f"{bond.effort.source_unit} - {bond.effort.target_unit}" for bond in known]
     count = Counter(names)

@@ -1,7 +1,8 @@
 """Checkpoints of a run: the state of its units, of the signals between them and of the master, from which it goes on to the
 same bits.
 
-Units that cannot serialise their state (FMI's ``canSerializeFMUstate``) leave no checkpoint: their run begins anew.
+Units that cannot serialise their state (FMI's ``canSerializeFMUstate``), do not restore it, have FMI 3's event mode, of which the
+host keeps a part, or send texts leave no checkpoint: their run begins anew.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 EVERY = 1.0
 """Least time between two checkpoints, s of the clock on the wall."""
 SUFFIX = ".checkpoint"
-_SIGNAL = ("value", "rate", "end_value", "end_rate", "old_value", "scale")
+_SIGNAL = ("value", "rate", "end_value", "end_rate", "old_value", "scale", "unknown")
 _SIMULATION = ("time", "done", "control", "before")
 _RUN = ("rejected", "located", "time")
 
@@ -44,7 +45,7 @@ class Keeper:
         """Keep a checkpoint, if one is due and all units can serialise their state."""
         if clock.monotonic() < self._due or not simulation.recorder.journal:
             return
-        if not all(unit.description.can_serialize_state for unit in simulation.system.units):
+        if not can_freeze(simulation.system):
             return
         data = {"journal": simulation.recorder.journal.size(), **frozen(simulation)}
         with suppress(OSError):
@@ -59,6 +60,13 @@ class Keeper:
             return unsealed(self.path.read_bytes())
         except (OSError, ValueError, RecursionError):
             return None
+
+
+def can_freeze(system: System) -> bool:
+    """Whether a checkpoint holds everything that the next step of these units depends on."""
+    return not system.distrusted and all(
+        unit.description.can_serialize_state and unit.instance.freezes and not unit.wiring.others.words for unit in system.units
+    )
 
 
 def frozen(simulation: Simulation) -> dict[str, Any]:
@@ -80,6 +88,9 @@ def frozen(simulation: Simulation) -> dict[str, Any]:
             "old_step": system.old_step,
             "learned": [[np.asarray(a).tolist(), np.asarray(b).tolist()] for a, b in system.learned_now],
             "learned_step": system.learned_step,
+            "noise": system.noise,
+            "scales": list(system.scales.items()),
+            "late_units": sorted(system.late_units),
         },
         "simulation": {name: getattr(simulation, name) for name in _SIMULATION},
         "run": {name: getattr(run, name) for name in _RUN},
@@ -117,6 +128,9 @@ def thaw(simulation: Simulation, data: dict[str, Any], kept: Kept) -> None:
 
 def _thaw_system(system: System, said: dict[str, Any]) -> None:
     system.old_step, system.learned_step = said["old_step"], said["learned_step"]
+    system.noise, system.late_units = dict(said["noise"]), set(said["late_units"])
+    system.scales = {i: list(scales) for i, scales in said["scales"]}
+    system.unknown = [s for s in system.signals if s.unknown]
     system.learned_now[:] = [(np.array(a), np.array(b)) for a, b in said["learned"]]
 
 

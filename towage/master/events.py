@@ -85,17 +85,17 @@ def _first_change(before: list[Indication], after: list[Indication]) -> int:
     return min(shares, key=shares.__getitem__) if shares else -1
 
 
-def happened(system: System, time: float, before: list[Indication], at_clock: bool) -> list[Event]:
-    """The events at ``time``, the end of the last step: indicators that changed sign since ``before``, and, if
-    ``at_clock``, the times that units announced."""
+def happened(system: System, time: float, before: list[Indication], announced: float | None) -> list[Event]:
+    """The events at ``time``, the end of the last step: indicators that changed sign since ``before``, and the units that
+    ``announced`` this time, s, if one did."""
     events = [
         Event(time, system.units[i].name, name, 1 if g1 > 0.0 else -1)
         for (g0, _), (g1, _), (i, _, _, name) in zip(before, indications(system), system.indicators)
         if (g0 > 0.0) != (g1 > 0.0)
     ]
-    if at_clock:
+    if announced is not None:
         events += [
             Event(time, system.units[i].name, "time event", 0)
-            for i, slot in system.clocks if abs(system.units[i].values[slot] - time) <= 1e-9 * (1.0 + time)
+            for i, slot in system.clocks if abs(system.units[i].values[slot] - announced) <= 1e-9 * (1.0 + announced)
         ]  # fmt: skip
     return events

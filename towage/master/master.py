@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
-from msgspec import structs
 from numpy.typing import NDArray
 
 from towage.checks.check import Check, Finished, checks_of
@@ -18,17 +16,20 @@ from towage.checks.track import Track, comparison_times
 from towage.checks.verdict import verdict
 from towage.errors import RunError
 from towage.master.checkpoint import Keeper, reopened, thaw
+from towage.master.others import OtherRuns, weight
 from towage.master.outcome import begun, fail, keep, meddled
 from towage.master.plan import plan, refuse, started
-from towage.master.recorder import Recorder
+from towage.master.recorder import recorder_of
+from towage.master.said import after, listen, messages
 from towage.master.simulation import Run, Settings, Simulation, simulate
 from towage.master.stages import Report, Stages
 from towage.master.system import System
-from towage.result.journal import Journal
+from towage.master.trust import NotRepeatable
+from towage.result.journal import Journal, Kept
 from towage.result.records import Finding, Item
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.resolve import ResolvedScene, ResolvedVariant
+from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.units.fmu import Unit, UnitFactory
@@ -36,12 +37,6 @@ from towage.units.fmu import Unit, UnitFactory
 Array = NDArray[np.float64]
 Columns = dict[str, Array]
 MAIN = "coupled run"
-COARSE = 2.0
-"""A coarse run has a step so much longer, and takes so much less time; its error is 2^p as large."""
-NUDGE = 1e-9
-"""Relative change of a value that shows whether a motion is chaotic."""
-COARSE_TOLERANCE = 10.0
-"""A coarse run under error control has a tolerance so much larger."""
 
 
 class Master:
@@ -85,17 +80,34 @@ def run_resolved(
     Raises `SceneError` for a scene that the checks before the run refuse. A run that fails on its way comes back as a
     result with status "failed" and what was recorded until then.
     """
-    system = started(resolved, make_unit)
+    distrusted: dict[str, str] = {}
+    while True:
+        try:
+            return _run_once(resolved, report, journal, make_unit, distrusted, resume and not distrusted)
+        except NotRepeatable as fault:  # begin again, without going back
+            distrusted[fault.unit] = fault.why
+
+
+def _run_once(
+    resolved: ResolvedScene,
+    report: Report | None,
+    journal: Path | None,
+    make_unit: UnitFactory,
+    distrusted: Mapping[str, str],
+    resume: bool,
+) -> Result:
+    """As `run_resolved`, where ``distrusted`` units do not go back. Raises `NotRepeatable` where ``auto`` may choose again."""
+    system = started(resolved, make_unit, None, distrusted)
     try:
         planned = plan(resolved, system)
         refuse(planned.findings, resolved)
         settings = planned.settings
-        stages = Stages(report, {MAIN: 1.0} | {variant.name: _weight(variant) for variant in resolved.variants})
+        stages = Stages(report, {MAIN: 1.0} | {variant.name: weight(variant) for variant in resolved.variants})
         result = begun(resolved, settings.scheme.name, planned.findings)
-        columns, track = _coupled_run(resolved, system, settings, result, stages, journal, resume)
+        columns, track, settings = _coupled_run(resolved, system, settings, result, stages, journal, resume)
         if result.status == "done":
             order = settings.scheme.order if settings.step else 0
-            others = OtherRuns(resolved, settings, stages, make_unit)
+            others = OtherRuns(resolved, settings, stages, make_unit, distrusted)
             times = comparison_times(settings.stop_time, settings.step, len(track.time))
             _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))
             stages.done()
@@ -118,108 +130,34 @@ def check_resolved(resolved: ResolvedScene, make_unit: UnitFactory = Unit) -> li
         system.close()
 
 
-class OtherRun(NamedTuple):
-    """What the scene records of another run, (time, columns), and all its communication points."""
-
-    record: tuple[Array, Columns]
-    track: Track
-
-
-class OtherRuns:
-    """The other runs that checks ask for. Each is made when it is first asked for, and once, whoever asks."""
-
-    def __init__(
-        self, resolved: ResolvedScene, settings: Settings, stages: Stages, make_unit: UnitFactory
-    ) -> None:
-        self._resolved = resolved
-        self._settings = settings
-        self._stages = stages
-        self._make_unit = make_unit
-        self._variants = {variant.name: variant for variant in resolved.variants}
-        self._known: list[tuple[ResolvedScene, bool, OtherRun | RunError]] = []
-
-    def columns(self, name: str) -> tuple[Array, Columns]:
-        """(time, columns) of what the run called ``name`` records. Raises `RunError` where it fails."""
-        return self._made(name).record
-
-    def track(self, name: str) -> Track:
-        """All communication points of the run called ``name``. Raises `RunError` where it fails."""
-        return self._made(name).track
-
-    def _made(self, name: str) -> OtherRun:
-        variant = self._variants[name]
-        scene = nudged(variant.scene or self._resolved, variant.nudged)
-        outcome = next((o for s, coarse, o in self._known if s == scene and coarse == variant.coarse), None)
-        if outcome is None:
-            outcome = self._run(name, scene, _coarse(self._settings) if variant.coarse else self._settings)
-            self._known.append((scene, variant.coarse, outcome))
-        if isinstance(outcome, RunError):
-            raise outcome
-        return outcome
-
-    def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> OtherRun | RunError:
-        try:
-            system = started(scene, self._make_unit, self._resolved)
-            try:
-                recorder = _recorder(system, settings)
-                simulate(system, settings, recorder, self._stages.progress(name, settings.stop_time))
-            finally:
-                system.close()
-        except RunError as error:
-            return error
-        track = recorder.track()
-        return OtherRun(recorder.columns(track), track)
-
-
-def _weight(variant: ResolvedVariant) -> float:
-    """Expected time of another run over that of the coupled one; a nudged one is made in few scenes only."""
-    return 0.0 if variant.nudged else 1.0 / COARSE if variant.coarse else 1.0
-
-
-def nudged(resolved: ResolvedScene, unit: str) -> ResolvedScene:
-    """The scene with the first value set on ``unit`` (or else on any other unit) that is a number other than zero changed
-    by `NUDGE`; the scene itself without a name. Raises `RunError` where there is no such value."""
-    if not unit:
-        return resolved
-    for name in sorted(resolved.units, key=lambda name: name != unit):
-        entry = resolved.units[name]
-        for parameter, value in entry.parameters.items():
-            if isinstance(value, float) and value and math.isfinite(value):
-                changed = structs.replace(entry, parameters={**entry.parameters, parameter: value * (1.0 + NUDGE)})
-                return structs.replace(resolved, units={**resolved.units, name: changed})
-    raise RunError("no unit of the scene has a value that could be changed by 1e-9")
-
-
-def _coarse(settings: Settings) -> Settings:
-    step, tolerance = settings.step, settings.tolerance
-    return replace(
-        settings,
-        step=step and COARSE * step,
-        tolerance=tolerance and COARSE_TOLERANCE * tolerance,
-        max_step=COARSE * settings.max_step,
-    )
-
-
 def _coupled_run(
     resolved: ResolvedScene, system: System, settings: Settings, result: Result, stages: Stages, journal: Path | None,
     resume: bool,
-) -> tuple[Columns, Track]:
-    """Every observed output of the coupled run, as recorded and at all communication points; those that are recorded,
-    events and counts go to the result, which is a failed one where the run fails."""
+) -> tuple[Columns, Track, Settings]:
+    """Every observed output of the coupled run, as recorded and at all communication points, and the settings with the time
+    that the run reached; what is recorded, events, counts and what the units said go to the result, which is a failed one where
+    the run fails. Raises `NotRepeatable` where ``auto`` may choose again."""
     keep(result, resolved, {})
     keeper = Keeper(journal) if journal else None
     found = keeper.found() if keeper and resume else None
-    recorder = _recorder(system, settings)
+    recorder = recorder_of(system, settings)
     begin_at: Callable[[Simulation], None] | None = None
+    kept: Kept | None = None
     if journal and found:
         recorder.journal, kept = reopened(journal, recorder.names, found)
         begin_at = functools.partial(thaw, data=found, kept=kept)
     elif journal and keeper:
         keeper.path.unlink(missing_ok=True)  # one that is left is of the journal that ends here
         recorder.journal = Journal(journal, recorder.names, result.metadata())
+    listen(system, recorder.message, kept.messages if kept else None)
     try:
         report = stages.progress(MAIN, settings.stop_time)
         run = simulate(system, settings, recorder, report, begin_at, keeper.look if keeper else None)
+    except NotRepeatable as fault:
+        if resolved.scene.coupling.scheme == "auto" and settings.tolerance is None:
+            raise
+        fail(result, str(fault))
+        run = getattr(fault, "run", Run())
     except RunError as error:
         fail(result, str(error))
         run = getattr(error, "run", Run())
@@ -229,7 +167,10 @@ def _coupled_run(
     track = recorder.track()
     result.time, columns = recorder.columns(track)
     keep(result, resolved, columns)
+    result.texts = recorder.text_columns(result.time)
     result.events = run.events
+    result.messages = messages(system)
+    result.checks += after(system, settings, run)
     result.step_sizes = np.array(run.steps)
     result.power_residual = {b.name: b.residual / b.throughput if b.throughput else 0.0 for b in run.bonds}
     result.statistics = {
@@ -241,7 +182,7 @@ def _coupled_run(
         "start_cpu_s": system.start_cpu,
         "real_time_factor": run.time / run.wall if run.wall else math.nan,
     }
-    return columns, track
+    return columns, track, replace(settings, stop_time=run.time) if run.ended_by else settings
 
 
 def _judge(run: Finished) -> None:
@@ -268,9 +209,3 @@ def _broken(result: Result, check: Check, error: Exception) -> Item:
     reason = f"could not be judged: {type(error).__name__}: {error}"
     result.checks.append(Finding(check.name, "warning", None, None, reason))
     return Item("not judged", f"{check.name} {reason}", None, None)
-
-
-def _recorder(system: System, settings: Settings) -> Recorder:
-    outputs = [(f"{unit.name}.{name}", unit.variables.get(name)) for unit in system.units for name in unit.outputs]
-    held = [column for column, variable in outputs if variable and variable.variability == "discrete"]
-    return Recorder([column for column, _ in outputs], None, settings.record_interval, held)

@@ -33,7 +33,8 @@ def recovered(kept: Kept, message: str) -> Result:
     fail(result, message + lost)
     result.time, columns = kept.columns()
     result.columns = {name: columns[name] for name in result.units if name in columns}
-    result.events = kept.events
+    result.events, result.messages = kept.events, kept.messages
+    result.texts = kept.text_columns(result.time)
     return result
 
 

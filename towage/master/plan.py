@@ -5,20 +5,23 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+from collections.abc import Mapping
 from time import process_time
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from towage.checks.check import Start, checks_of
 from towage.checks.step import largest_step, loops
 from towage.master.auto import choose
 from towage.master.schemes import Scheme
-from towage.master.simulation import Settings
+from towage.master.simulation import MERGE, Settings
 from towage.master.system import System
 from towage.registry import SCHEMES
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
+from towage.scene.scene import Scene
 from towage.units.fmu import UnitFactory
 from towage.units.store import cache
+from towage.units.vetted import stays
 
 FEWEST_STEPS = 50
 """The error control takes at least as many steps."""
@@ -34,15 +37,23 @@ class Plan(NamedTuple):
     findings: list[Finding]
 
 
-def started(resolved: ResolvedScene, make_unit: UnitFactory, main: ResolvedScene | None = None) -> System:
+def started(
+    resolved: ResolvedScene,
+    make_unit: UnitFactory,
+    main: ResolvedScene | None = None,
+    distrusted: Mapping[str, str] | None = None,
+) -> System:
     """The units of a scene, initialised, coupled as ``main`` (default: the same). Branches are frozen over a step where
-    the master looks after events. Raises `RunError` and `FmuError`; the caller closes the system."""
+    the master looks after events. ``distrusted``: units that are not to go back, and why. Raises `RunError` and `FmuError`;
+    the caller closes the system."""
     scene = (main or resolved).scene
     held = scene.coupling.scheme != "auto" and SCHEMES.get(scene.coupling.scheme).holds
+    freeze = scene.coupling.events and not held and not on_grid(resolved)
+    distrusted = {**_vetted(resolved), **(distrusted or {})}
     begin = process_time()
-    system = System(resolved, cache() / "unpacked", scene.coupling.events and not held, held, make_unit)
+    system = System(resolved, cache() / "unpacked", freeze, held, make_unit, distrusted)
     try:
-        system.start(0.0, scene.stop_time)
+        system.start(0.0, scene.stop_time, scene.coupling.tolerance)
         system.start_cpu = process_time() - begin
     except BaseException:
         system.close()
@@ -54,9 +65,12 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
     """Scheme, step and findings of an initialised scene. Raises `SceneError` where the units do not carry the scheme."""
     scene = resolved.scene
     coupling, stop = scene.coupling, scene.stop_time
-    step = coupling.step
+    grid = on_grid(resolved)
+    step, tolerance = coupling.step, coupling.tolerance
+    if grid and step is None:
+        step, tolerance = own_step(resolved, grid), None
     interface_loops = loops(system)
-    findings = []
+    findings = _of_grid(grid, step, scene) if grid and step else []
     if coupling.scheme == "auto":
         scheme, why = choose(system, interface_loops, step or 0.0)
         findings.append(Finding("scheme", "info", None, None, f"auto: {scheme.name}, because {why}"))
@@ -73,7 +87,7 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
     interval = scene.record.interval or step or stop / DEFAULT_POINTS
     if endless := _endless(step or interval, stop, system):
         raise scene.error(endless, "coupling.step" if step else "record.interval")
-    settings = Settings(scheme, step, coupling.tolerance, max_step, coupling.events, interval, stop)
+    settings = Settings(scheme, step, tolerance, max_step, coupling.events, interval, stop, grid)
     return Plan(settings, start, findings)
 
 
@@ -102,6 +116,48 @@ def memory() -> float:
         most = math.inf if limit == resource.RLIM_INFINITY else float(limit)
         most = min(most, float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
     return most
+
+
+def _vetted(resolved: ResolvedScene) -> dict[str, str]:
+    """The units of other makes that `towage vet` found not to restore their state, and why."""
+    others = ((name, unit) for name, unit in resolved.units.items() if not unit.description.conventions)
+    return {name: why for name, unit in others if (why := stays(unit.path))}
+
+
+def on_grid(resolved: ResolvedScene) -> tuple[str, ...]:
+    """The units of other makes that take communication steps of one size only."""
+    return tuple(
+        name for name, unit in resolved.units.items()
+        if not (unit.description.can_handle_variable_step or unit.description.conventions)
+    )  # fmt: skip
+
+
+def own_step(resolved: ResolvedScene, grid: tuple[str, ...]) -> float:
+    """The step that the units of ``grid`` have by their default experiment, s. Raises `SceneError` where there is none, or more
+    than one."""
+    steps = {resolved.units[name].description.default_experiment.step_size for name in grid} - {None}
+    if len(steps) != 1 or not (size := steps.pop()) or size > resolved.scene.stop_time:
+        raise resolved.scene.error(
+            f"{', '.join(grid)} takes communication steps of one size only, so that there is no error control, and names none "
+            "for all of them: give a step instead, coupling.step",
+            "coupling.tolerance",
+        )
+    return size
+
+
+def _of_grid(grid: tuple[str, ...], step: float, scene: Scene) -> list[Finding]:
+    """What it means for the run that units take steps of one size only."""
+    count = max(1, math.floor(scene.stop_time / step + MERGE))
+    message = (
+        f"{', '.join(grid)} takes communication steps of one size only (canHandleVariableCommunicationStepSize is false): all "
+        f"points lie on the grid of {step:g} s, and events happen at the next of them"
+    )
+    if scene.coupling.step is None:
+        message += "; there is no error control, the step is that of the unit's default experiment"
+    level: Literal["info", "warning"] = "info"
+    if abs(count * step - scene.stop_time) > MERGE * step:
+        level, message = "warning", f"{message}; the run ends at {count * step:.9g} s, not at {scene.stop_time:g} s"
+    return [Finding("grid", level, step, None, message)]
 
 
 def _refusal(scheme: Scheme, step: float | None, system: System) -> tuple[str, str] | None:

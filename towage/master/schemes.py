@@ -30,7 +30,8 @@ from typing import TYPE_CHECKING, Any
 from towage.errors import RunError
 
 if TYPE_CHECKING:
-    from towage.master.system import Signal, System
+    from towage.master.signals import Signal
+    from towage.master.system import System
 
 FLOOR = 1e-3
 """Scale of a signal that was never larger."""
@@ -140,7 +141,7 @@ def implicit(system: System, time: float, step: float) -> float:
             break
         stalled = stalled + 1 if size > 0.5 * best else 0
         best = min(best, size)
-        if size < ITERATION_TOLERANCE or (size < ROUND_OFF and stalled):
+        if size < ITERATION_TOLERANCE or (size < max(ROUND_OFF, system.floor) and stalled):
             return _change(predicted)
         if before:
             learned.append((residual - before[0], ends - before[1]))
@@ -213,6 +214,8 @@ def _residual(signals: list[Signal], step: float) -> float:
     worst = 0.0
     for s in signals:
         a0, a1, a2, a3 = s.polynomial
+        if s.discrete:
+            continue
         gap = abs(a0 + step * (a1 + step * (a2 + step * a3)) - s.end_value) / max(s.scale, FLOOR)
         worst = gap if gap > worst else worst
     return worst

@@ -2,54 +2,37 @@
 
 Every connection carries a signal: its value and rate at the communication point t (``value``, ``rate``), those found at
 the end of the step being tried (``end_value``, ``end_rate``), and the cubic that its target is given over the step,
-u(t + s) = a0 + a1 s + a2 s^2 + a3 s^3. A scheme is a sequence of `extrapolate`, `interpolate`, `hold` on signals and
-`advance` on units (`schemes.py`). Units without direct feedthrough come first in ``order``, so that those with it see
-both ends of their inputs: no delay is added where the equations have none.
+u(t + s) = a0 + a1 s + a2 s^2 + a3 s^3. A discrete signal is held over the step, its change is an event. A scheme is a
+sequence of `extrapolate`, `interpolate`, `hold` on signals and `advance` on units (`schemes.py`). Units without direct
+feedthrough come first in ``order``, so that those with it see both ends of their inputs: no delay is added where the
+equations have none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from towage.scene.resolve import ResolvedConnection, ResolvedScene, ResolvedUnit
+from towage.master.initial import initialise
+from towage.master.signals import Signal, TextSignal, evaluation_order, looped, signal, wanted
+from towage.scene.resolve import ResolvedScene
 from towage.units.archive import unpacked
+from towage.units.conventions import CLOCK, FREEZE, has, indicators
 from towage.units.fmu import Unit, UnitFactory
-from towage.units.wiring import Input, Wanted
 
+ROUNDING = 1e-12
+"""Share of a signal's largest value by which rounding may change it."""
 SAME_STEP = 1e-6
 """Relative difference below which two step lengths are one: k h is not exactly the time."""
-
-
-@dataclass(slots=True)
-class Signal:
-    """One connection at work. ``rated``: its source reports the rate; ``backward``: its source comes after its target."""
-
-    connection: ResolvedConnection
-    source: int
-    target: int
-    input: Input
-    slot: int
-    rate_slot: int
-    factor: float
-    rated: bool
-    value: float = 0.0
-    rate: float = 0.0
-    end_value: float = 0.0
-    end_rate: float = 0.0
-    old_value: float = 0.0
-    scale: float = 0.0
-    backward: bool = False
-    polynomial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
 class System:
     """The running units. FMUs are unpacked below ``extracted``. ``freeze``: ask units to hold their branches over a step,
     provided that all can go back to a step's start, which the search for events needs. ``held``: inputs are held over a
-    step, so that neither rates nor events are read. ``make`` makes the units.
+    step, so that neither rates nor events are read. ``make`` makes the units. ``distrusted``: units that are not to go back,
+    and why.
 
     Raises `FmuError` and `RunError` if a unit cannot be loaded or instantiated."""
 
@@ -60,8 +43,16 @@ class System:
         freeze: bool = False,
         held: bool = False,
         make: UnitFactory = Unit,
+        distrusted: Mapping[str, str] | None = None,
     ) -> None:
         self.scene = scene
+        self.distrusted = dict(distrusted or {})
+        self.now: Callable[[], float | None] = lambda: None
+        self.noise: dict[str, float] = {}
+        self.scales: dict[int, list[float]] = {}
+        self.floor = 0.0
+        self.late_units: set[str] = set()
+        self.endings: list[tuple[str, float]] = []
         self._freeze = freeze
         self.units: list[Unit] = []
         self.start_cpu = 0.0  # processor time of loading and initialisation, s
@@ -72,69 +63,69 @@ class System:
         try:
             for resolved in scene.units.values():
                 directory = unpacked(resolved.path, extracted)
-                self.units.append(make(resolved.name, resolved.description, directory, _wanted(resolved, scene, held)))
+                unit = make(resolved.name, resolved.description, directory, wanted(resolved, scene, held))
+                self.units.append(unit)
+                unit.can_roll_back = unit.can_roll_back and unit.name not in self.distrusted
+                unit.instance.log.follow(lambda: self.now())
+                unit.endings = self.endings
         except BaseException:
             self.close()
             raise
         number = {unit.name: i for i, unit in enumerate(self.units)}
-        self.signals = [self._signal(c, number) for c in scene.connections]
+        self._wire(number)
+        self._known(held)
+
+    def _wire(self, number: Mapping[str, int]) -> None:
+        """The signals between units, whose places are in ``number``, and the order of evaluation."""
+        scene = self.scene
+        numeric = [c for c in scene.connections if c.target in self.units[number[c.target_unit]].inputs]
+        self.signals = [signal(c, self.units, number) for c in numeric]
+        self.texts = [
+            TextSignal(number[c.source_unit], c.source, number[c.target_unit], c.target)
+            for c in scene.connections if c not in numeric
+        ]  # fmt: skip
+        self.discrete = [s for s in self.signals if s.discrete]
+        self._offset: dict[int, list[Signal]] = {}
+        for s in self.signals:
+            if s.offset:
+                self._offset.setdefault(s.source, []).append(s)
+        self.unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
-        self.order = self._order()
+        self.order = evaluation_order(self.into)
         place = {unit: k for k, unit in enumerate(self.order)}
         for s in self.signals:
             s.backward = place[s.source] >= place[s.target]
         self.backward = [s for s in self.signals if s.backward]
-        self.looped = self._looped()
+        self.looped = looped(self.order, self.backward, self.into)
+
+    def _known(self, held: bool) -> None:
+        """What the master has to look after in these units."""
+        scene = self.scene
         ours = ("python", "native")
         self.foreign = [i for i, unit in enumerate(self.units) if scene.units[unit.name].flavour not in ours]
+        self.eventful = [i for i, unit in enumerate(self.units) if unit.description.event_mode]
+        late = {s.target for s in self.signals if s.input.late and not s.input.orders}
+        self.late = [] if held else sorted(late)
         self.indicators = [
             (i, unit.slot[n], unit.slot.get(f"{n}_rate", -1), n.removeprefix("event_"))
-            for i, unit in enumerate(self.units) for n in unit.outputs
-            if n.startswith("event_") and not n.endswith("_rate")
+            for i, unit in enumerate(self.units) for n in indicators(unit.description)
+            if n in unit.slot and not n.endswith("_rate")
         ]  # fmt: skip
-        self.clocks = [
-            (i, unit.slot["next_event_time"]) for i, unit in enumerate(self.units) if "next_event_time" in unit.slot
-        ]
-
-    def _signal(self, connection: ResolvedConnection, number: dict[str, int]) -> Signal:
-        source, target = number[connection.source_unit], number[connection.target_unit]
-        slots = self.units[source].slot
-        rate = slots.get(f"{connection.source}_rate", -1)
-        place = self.units[target].inputs[connection.target]
-        return Signal(connection, source, target, place, slots[connection.source], rate, connection.factor, rate >= 0)
-
-    def _order(self) -> list[int]:
-        """Units in the order of evaluation: after every unit whose output goes straight through them."""
-        hard = {i: {s.source for s in self.into[i] if s.input.feedthrough} for i in range(len(self.units))}
-        order: list[int] = []
-        left = list(range(len(self.units)))
-        while left:
-            missing = {i: len({s.source for s in self.into[i]} & set(left)) for i in left}
-            free = [i for i in left if not hard[i] & set(left)] or left
-            order.append(min(free, key=lambda i: (missing[i], i)))
-            left.remove(order[-1])
-        return order
-
-    def _looped(self) -> list[int]:
-        """Units, in order, whose inputs depend on a signal that runs backward in the order."""
-        touched = {s.target for s in self.backward}
-        for i in self.order:
-            if any(s.source in touched for s in self.into[i]):
-                touched.add(i)
-        return [i for i in self.order if i in touched]
+        self.clocks = [(i, u.slot[CLOCK]) for i, u in enumerate(self.units) if CLOCK in u.slot and has(u.description, CLOCK)]
 
     # ---- start, communication points --------------------------------------------------------------------------------
 
-    def start(self, start_time: float, stop_time: float) -> None:
-        """Initialise all units and make the signals consistent at the start."""
+    def start(self, start_time: float, stop_time: float, tolerance: float | None = None) -> None:
+        """Initialise all units and make the signals consistent at the start. ``tolerance``: relative, for what units solve
+        themselves; None: that of their default experiment."""
         for unit in self.units:
             parameters = dict(self.scene.units[unit.name].parameters)
-            if self._freeze and self.can_roll_back and "freeze_branches" in unit.variables:
-                parameters.setdefault("freeze_branches", 1.0)
-            unit.start(parameters, start_time, stop_time)
-        for i in range(len(self.units)):
-            self._read(i)
+            if self._freeze and self.can_roll_back and has(unit.description, FREEZE):
+                parameters.setdefault(FREEZE, 1.0)
+            own = unit.description.default_experiment.tolerance
+            unit.enter(parameters, (start_time, stop_time), own if tolerance is None else tolerance)
+        initialise(self, start_time)
         self.accept(0.0)
         self.refresh(start_time)
 
@@ -148,11 +139,53 @@ class System:
                 self._write(i, 0.0)
                 self.units[i].set(time)
                 self.units[i].get(time)
-                self._read(i)
+                self.read(i)
                 for s in self.out[i]:
                     s.value, s.rate = s.end_value, s.end_rate
         self.old_step = 0.0
         self.learned_now.clear()
+
+    def settle(self, time: float) -> None:
+        """Read units again with the ends of the inputs that were held at their mean over the step: what goes straight
+        through to an output that is only recorded is right at the communication point."""
+        for i in self.late:
+            unit, moved = self.units[i], False
+            before = unit.values
+            for s in self.into[i]:
+                if not s.input.orders:
+                    moved = moved or abs(unit.input_buffer[s.input.slot] - s.value) > ROUNDING * s.scale
+                    unit.input_buffer[s.input.slot] = s.value
+            unit.set(time)
+            unit.get(time)
+            self.read(i)
+            if moved and unit.values == before:
+                self.late_units.add(unit.name)
+
+    def look_after(self, time: float) -> None:
+        """What units of other makes need at a communication point: `settle`, and texts, which are held over a step, passed on."""
+        if self.late:
+            self.settle(time)
+        self.pass_texts()
+
+    def changed(self, time: float) -> bool:
+        """Whether a discrete signal changed over the step that was accepted last, or a unit has handled events."""
+        return self._handle_events(time) or any(s.value != s.old_value for s in self.discrete)
+
+    def _handle_events(self, time: float) -> bool:
+        """Have units with event mode handle what is due at the communication point; whether anything was."""
+        handled = [i for i in self.eventful if self.units[i].instance.handle_events()]
+        for i in handled:
+            self.units[i].get(time)
+            self.read(i)
+            for s in self.out[i]:
+                s.value, s.rate = s.end_value, s.end_rate
+        return bool(handled)
+
+    def pass_texts(self) -> None:
+        """Pass texts on, which are held between communication points."""
+        for text in self.texts:
+            words = self.units[text.source].wiring.others.words
+            self.units[text.target].wiring.others.words[text.input] = words[text.output]
 
     def learned(self, step: float) -> list[tuple[Any, Any]]:
         """What iterations at this step length told of the loop since the last event: (change of the residual, change of
@@ -168,6 +201,12 @@ class System:
             s.old_value, s.value = s.value, s.end_value
             s.rate = s.end_rate if s.rated else (s.value - s.old_value) / step if step else 0.0
             s.scale = max(s.scale, abs(s.value))
+        for s in self.discrete:
+            s.rate = 0.0
+        if self.unknown and step:
+            for s in self.unknown:
+                s.unknown = False
+            self.unknown.clear()
         self.old_step = step
 
     def save(self, time: float) -> None:
@@ -207,6 +246,8 @@ class System:
         """Cubic Hermite between both ends; linear where there are no rates."""
         slope = (s.end_value - s.value) / step
         if s.rated:
+            if s.unknown:
+                s.rate = 2.0 * slope - s.end_rate
             s.polynomial = (
                 s.value,
                 s.rate,
@@ -214,7 +255,7 @@ class System:
                 (s.rate + s.end_rate - 2.0 * slope) / (step * step),
             )
         else:
-            s.polynomial = (s.value, slope, 0.0, 0.0)
+            s.polynomial = (s.value, 0.0 if s.discrete else slope, 0.0, 0.0)
 
     # ---- units ------------------------------------------------------------------------------------------------------
 
@@ -222,14 +263,18 @@ class System:
         """Step one unit with the polynomials of its inputs, and read it."""
         self._write(i, step)
         self.units[i].advance(time, step)
-        self._read(i)
+        self.read(i)
 
-    def _read(self, i: int) -> None:
+    def read(self, i: int) -> None:
+        """Take the ends of the signals that a unit sends from its values."""
         values = self.units[i].values
         for s in self.out[i]:
             s.end_value = values[s.slot] * s.factor
             if s.rated:
-                s.end_rate = values[s.rate_slot] * s.factor
+                s.end_rate = values[s.rate_slot] * s.rate_factor
+        if i in self._offset:
+            for s in self._offset[i]:
+                s.end_value += s.offset
 
     def _write(self, i: int, step: float) -> None:
         unit = self.units[i]
@@ -242,25 +287,12 @@ class System:
                 buffer[k], buffer[d], buffer[d + 1], buffer[d + 2] = a0, a1, 2.0 * a2, 6.0 * a3
             elif place.orders == 1:  # a straight line that ends where the signal does
                 buffer[k], buffer[d] = a0, a1 + step * (a2 + step * a3)
-            elif place.feedthrough:  # held over the step: what goes straight through should be right at its end
+            elif s.at_end:  # held over the step: what goes straight through should be right at its end
                 buffer[k] = a0 + step * (a1 + step * (a2 + step * a3))
             else:  # and what is integrated should be right on average
                 buffer[k] = a0 + step * (a1 / 2.0 + step * (a2 / 3.0 + step * a3 / 4.0))
 
     def next_event(self, time: float) -> float:
         """The earliest event time that a unit announces after ``time``."""
-        ahead = [self.units[i].values[k] for i, k in self.clocks]
+        ahead = [self.units[i].values[k] for i, k in self.clocks] + [self.units[i].instance.next_event for i in self.eventful]
         return min((t for t in ahead if t > time + 1e-12 * (1.0 + abs(time))), default=float("inf"))
-
-
-def _wanted(unit: ResolvedUnit, scene: ResolvedScene, held: bool) -> Wanted:
-    """What the scene wants of a unit; where inputs are held, neither rates nor events."""
-    connected = [c.target for c in scene.connections if c.target_unit == unit.name]
-    sources = [c.source for c in scene.connections if c.source_unit == unit.name]
-    names = sources + [v for u, v in (*scene.record, *scene.reads) if u == unit.name]
-    names += [v.name for v in unit.description.variables if v.causality == "output" and v.name.startswith("margin_")]
-    if not held:
-        events = [v.name for v in unit.description.variables if v.name.startswith("event_")]
-        names += [f"{n}_rate" for n in sources] + events + ["next_event_time"]
-    known = {v.name for v in unit.description.variables if v.type == "Real"}
-    return Wanted(connected, sources, [n for n in dict.fromkeys(names) if n in known], cubic=not held)

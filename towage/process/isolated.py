@@ -2,14 +2,13 @@
 
 Every unit has a process with a folder of its own, which is its working directory and its place for temporary files, with the
 limits of the run, and without the descriptors of the others. Where the system has landlock (`sandbox`) it may write nowhere
-else. A unit that dies fails its call, and the run ends with all that was recorded. What comes back is taken for nothing but
-numbers: no object is made of it.
+else. A unit that dies fails its call, and the run ends with all that was recorded. What comes back is taken for numbers and for
+texts of known kinds (`Said`), nothing else.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 import os
 import pickle
@@ -19,17 +18,19 @@ import subprocess
 import sys
 from array import array
 from collections.abc import Mapping
-from ctypes import c_double
 from multiprocessing.connection import Connection
 from pathlib import Path
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
+
+import msgspec
 
 from towage.errors import RunError
 from towage.files import scratch
 from towage.process.overseer import Limits
+from towage.process.served import LENGTH, Said, serve
 from towage.units.description import Description, Value
 from towage.units.fmu import StepRefused, Unit
+from towage.units.log import STATUS, Log
 from towage.units.wiring import Wanted, Wiring
 
 if TYPE_CHECKING:
@@ -37,8 +38,20 @@ if TYPE_CHECKING:
 
 LONGEST = 1 << 28
 """Bytes of a reply."""
-OK, FAILED, REFUSED = b"0", b"1", b"2"
-"""First byte of a reply: doubles or bytes follow; JSON of a `RunError`; why a step was refused."""
+
+class RemoteInstance:
+    """What the master asks of an instance beside the calls of its unit (`towage.units.library.Instance`)."""
+
+    def __init__(self, unit: Remote) -> None:
+        self._unit = unit
+        self.log = Log(unit.name)
+        self.meddled: dict[str, None] = {}
+        self.dead = self.locates = self.freezes = False
+        self.next_event = math.inf
+
+    def handle_events(self) -> bool:
+        """As `Instance.handle_events`."""
+        return self._unit.handle_events()
 
 
 class Remote(Unit):
@@ -57,7 +70,7 @@ class Remote(Unit):
         self._open = contextlib.ExitStack()
         folder = self._open.enter_context(scratch())
         ours, theirs = socket.socketpair()
-        code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve({theirs.fileno()})"
+        code = f"import sys; sys.path[:] = {sys.path!r}; from {serve.__module__} import serve; serve({theirs.fileno()})"
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=2, pass_fds=[theirs.fileno()], cwd=folder,
@@ -65,7 +78,10 @@ class Remote(Unit):
             )  # fmt: skip
         self._open.callback(self._end)
         self._channel = Connection(ours.detach())
-        self.instance: Any = SimpleNamespace(meddled={}, dead=False)
+        self.begun, self.endings = False, []
+        self.can_roll_back = description.can_get_set_state
+        self._handled = False
+        self.instance: Any = RemoteInstance(self)
         self.advance = self._advance
         self._ask("instantiation", math.nan, "make", name, description, directory, wanted, limits, folder)
 
@@ -73,15 +89,37 @@ class Remote(Unit):
         """The reply to a call of the unit's ``method``. Raises `RunError` and `StepRefused`."""
         self._note(self._label, stage.encode(), time)
         try:
-            self._channel.send_bytes(pickle.dumps((method, arguments, list(self.input_buffer))))
+            words = {n: self.wiring.others.words[n] for group in self.wiring.others.texts_in for n in group.names}
+            self._channel.send_bytes(
+                pickle.dumps((method, arguments, list(self.input_buffer), words, self.instance.locates))
+            )
             reply = self._channel.recv_bytes(LONGEST)
         except (OSError, EOFError):
             raise RunError(self._fate(), unit=self.name, time=None if math.isnan(time) else time) from None
-        if reply[:1] == REFUSED:
-            raise StepRefused(f"{self.name}: {reply[1:].decode(errors='replace')}")
-        if reply[:1] != OK:
-            raise self._failure(reply[1:], time)
-        return reply[1:]
+        end = LENGTH + int.from_bytes(reply[:LENGTH], "little")
+        try:
+            said = msgspec.json.decode(reply[LENGTH:end], type=Said)
+            self._take(said)
+        except (msgspec.MsgspecError, ValueError, RecursionError):
+            raise RunError("its process sent what is no reply", unit=self.name, time=time) from None
+        if refusal := said.refusal:
+            raise StepRefused(refusal.text, self.name, refusal.ends, refusal.reached, refusal.event)
+        if failure := said.failure:
+            raise RunError(failure.message, unit=self.name, variable=failure.variable, time=failure.time)
+        return reply[end:]
+
+    def _take(self, said: Said) -> None:
+        """Keep what a call brought. Raises ``ValueError`` for a binary that is none."""
+        instance, words = self.instance, self.wiring.others.words
+        for status, category, text in said.log:
+            instance.log.add(STATUS.index(status) if status in STATUS else -1, category, text)
+        instance.log.lost = said.lost
+        instance.meddled |= dict.fromkeys(said.meddled)
+        instance.dead, instance.freezes, self._handled = said.dead, said.freezes, said.handled
+        instance.next_event = math.inf if said.next_event is None else said.next_event
+        self.endings += [(self.name, time) for time in said.ended]
+        words |= {name: text for name, text in said.texts.items() if name in words}
+        words |= {name: bytes.fromhex(text) for name, text in said.binaries.items() if name in words}
 
     def _fate(self) -> str:
         self.instance.dead = True
@@ -92,22 +130,24 @@ class Remote(Unit):
         how = f"exit code {code}" if code >= 0 else signal.Signals(-code).name
         return f"ended its process ({how})"
 
-    def _failure(self, said: bytes, time: float) -> RunError:
-        with contextlib.suppress(ValueError, TypeError, AttributeError):
-            fields = json.loads(said)
-            self.instance.dead = bool(fields["dead"])
-            return RunError(str(fields["message"]), unit=self.name, variable=str(fields["variable"]), time=fields["time"])
-        return RunError("its process sent what is no reply", unit=self.name, time=time)
-
     def _outputs(self, reply: bytes, time: float) -> list[float]:
         if len(reply) != 8 * len(self.outputs):
             raise RunError("its process sent what is no reply", unit=self.name, time=time)
         return self._accept(array("d", reply).tolist(), time)
 
-    def start(self, start: Mapping[str, Value], start_time: float, stop_time: float) -> None:
-        """As `Unit.start`."""
-        reply = self._ask("initialisation", start_time, "start", dict(start), start_time, stop_time)
-        self._outputs(reply, start_time)
+    def enter(self, start: Mapping[str, Value], span: tuple[float, float], tolerance: float | None) -> None:
+        """As `Unit.enter`."""
+        self.wiring.fill(start)
+        self._ask("initialisation", span[0], "enter", dict(start), span, tolerance)
+
+    def begin(self, time: float) -> None:
+        """As `Unit.begin`."""
+        self._outputs(self._ask("initialisation", time, "begin", time), time)
+
+    def handle_events(self) -> bool:
+        """As `Instance.handle_events`."""
+        self._ask("step", math.nan, "handle_events")
+        return self._handled
 
     def constant(self, name: str) -> float | None:
         """As `Unit.constant`."""
@@ -155,50 +195,3 @@ class Remote(Unit):
         self._channel.close()
         self._process.kill()
         self._process.wait()
-
-
-def serve(descriptor: int) -> None:
-    """The process of a unit: does what it is asked until the connection ends."""
-    channel = Connection(descriptor)
-    unit: Unit | None = None
-    while True:
-        try:
-            method, arguments, inputs = pickle.loads(channel.recv_bytes())
-        except (OSError, EOFError):
-            os._exit(0)
-        try:
-            if method == "make":
-                unit = _made(*arguments)
-                reply = b""
-            else:
-                assert unit
-                unit.input_buffer[:] = inputs
-                reply = _bytes(getattr(unit, method)(*arguments), unit)
-            channel.send_bytes(OK + reply)
-        except StepRefused as refusal:
-            channel.send_bytes(REFUSED + str(refusal).encode())
-        except Exception as error:
-            known = error if isinstance(error, RunError) else RunError(f"{type(error).__name__}: {error}")
-            dead = unit is not None and unit.instance.dead
-            fields = {"message": known.args[0], "variable": known.variable, "time": known.time, "dead": dead}
-            channel.send_bytes(FAILED + json.dumps(fields).encode())
-
-
-def _made(
-    name: str, description: Description, directory: Path, wanted: Wanted, limits: Limits, folder: Path
-) -> Unit:
-    from towage.process import sandbox
-    from towage.process.overseer import limit
-
-    limit(limits)
-    sandbox.writes_only_below(folder)
-    return Unit(name, description, directory, wanted)
-
-
-def _bytes(value: object, unit: Unit) -> bytes:
-    """What a method returned; outputs for those that return nothing but change them."""
-    if isinstance(value, bytes):
-        return value
-    if isinstance(value, float):
-        return bytes(c_double(value))
-    return array("d", unit.values).tobytes()

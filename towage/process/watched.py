@@ -31,10 +31,15 @@ class Watched(Unit):
 
         self.advance = noted
 
-    def start(self, start: Mapping[str, Value], start_time: float, stop_time: float) -> None:
-        """As `Unit.start`."""
-        self._note(self._label, b"initialisation", start_time)
-        super().start(start, start_time, stop_time)
+    def enter(self, start: Mapping[str, Value], span: tuple[float, float], tolerance: float | None) -> None:
+        """As `Unit.enter`."""
+        self._note(self._label, b"initialisation", span[0])
+        super().enter(start, span, tolerance)
+
+    def begin(self, time: float) -> None:
+        """As `Unit.begin`."""
+        self._note(self._label, b"initialisation", time)
+        super().begin(time)
 
     def set(self, time: float) -> None:
         """As `Unit.set`; a step begins with its inputs."""

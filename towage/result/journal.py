@@ -2,7 +2,8 @@
 
 A line (`towage.files.sealed`) tells names and all that a result says before its rows. Then frames follow: a tag, the
 content, its CRC-32. ``R``: a row (time in s, then a double a name) that the scene records, ``r``: one that serves
-comparisons alone, ``E``: an event, as its length in 4 bytes and JSON. A row that is recorded is handed to the operating
+comparisons alone, ``E``: an event, ``M``: what a unit said, ``T``: a time in s, a column of texts and its text from then on,
+each as its length in 4 bytes and JSON. A row that is recorded is handed to the operating
 system at once, so that a kill loses nothing before it; a loss of power may lose what the disk had not been given.
 Reading ends at the first frame that is cut or damaged.
 """
@@ -15,18 +16,24 @@ import zlib
 from array import array
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from towage.errors import FileError
 from towage.files import sealed, unsealed
 from towage.result.records import Event
+from towage.units.log import Message
 
 FORMAT = 1
+SAME_TIME = 1e-9
+"""Times closer than this, relative to 1 s + their size, are one."""
+_SAID = (b"E", b"M", b"T")
+"""Tags of frames of JSON."""
 LONGEST_HEAD = 1 << 24
 """Bytes of the first line that are looked at."""
 Array = NDArray[np.float64]
@@ -56,9 +63,20 @@ class Journal:
 
     def event(self, event: Event) -> None:
         """Keep an event."""
-        text = json.dumps(vars(event)).encode()
+        self._said(b"E", vars(event))
+
+    def message(self, message: Message) -> None:
+        """Keep what a unit said."""
+        self._said(b"M", list(message))
+
+    def text(self, time: float, name: str, text: str) -> None:
+        """Keep that the column ``name`` has this text from ``time`` (s) on."""
+        self._said(b"T", [time, name, text])
+
+    def _said(self, tag: bytes, value: Any) -> None:
+        text = json.dumps(value).encode()
         head = len(text).to_bytes(4, "little")
-        self._waiting += b"".join((b"E", head, text, zlib.crc32(text).to_bytes(4, "little")))
+        self._waiting += b"".join((tag, head, text, zlib.crc32(text).to_bytes(4, "little")))
         self._put(bytes(self._waiting))
         self._waiting.clear()
 
@@ -92,19 +110,34 @@ class Journal:
 @dataclass(frozen=True)
 class Kept:
     """What a journal holds. ``rows``: shape (n, 1 + names), time first; ``recorded``: of every row, whether the scene
-    records it; ``lost``: bytes that are no whole frames."""
+    records it; ``texts``: of every column of texts, from when (s) it has which; ``lost``: bytes that are no whole frames."""
 
     names: list[str]
     about: dict[str, Any]
     rows: Array
     recorded: NDArray[np.bool_]
     events: list[Event]
+    messages: list[Message]
+    texts: dict[str, list[tuple[float, str]]]
     lost: int
 
     def columns(self) -> tuple[Array, dict[str, Array]]:
         """(times, columns by name) of the rows that the scene records."""
         rows = self.rows[self.recorded]
         return rows[:, 0].copy(), {name: rows[:, k + 1].copy() for k, name in enumerate(self.names)}
+
+    def text_columns(self, times: Array) -> dict[str, NDArray[Any]]:
+        """The columns of texts at ``times``, s."""
+        return {name: column for name, changes in self.texts.items() if (column := texts_at(changes, times)) is not None}
+
+
+def texts_at(changes: Sequence[tuple[float, str]], times: Array) -> NDArray[Any] | None:
+    """The texts at ``times`` (s) of a column that has each from its time on, None where it has none."""
+    if not changes:
+        return None
+    begins = np.array([time for time, _ in changes])
+    at = np.searchsorted(begins, times + SAME_TIME * (1.0 + np.abs(times)), side="right") - 1
+    return np.array([text for _, text in changes])[np.maximum(at, 0)]
 
 
 def read(file: IO[bytes]) -> Kept | None:
@@ -118,29 +151,40 @@ def read(file: IO[bytes]) -> Kept | None:
     except (OSError, ValueError, KeyError, TypeError):
         return None
     begin, size = file.tell(), os.fstat(file.fileno()).st_size
-    rows, recorded, events = array("d"), array("b"), list[Event]()
-    place = begin
+    rows, recorded, place = array("d"), array("b"), begin
+    kept = Kept(names, about, np.empty(0), np.empty(0, dtype=bool), [], [], {}, 0)
     while frame := _frame(file, 8 * (1 + len(names))):
         tag, content = frame
-        if tag == b"E":
+        if tag in _SAID:
             try:
-                events.append(Event(**json.loads(content)))
-            except (ValueError, TypeError):
+                _take(kept, tag, json.loads(content))
+            except (ValueError, TypeError, RecursionError):
                 break
         else:
             rows.frombytes(content)
             recorded.append(tag == b"R")
         place = file.tell()
     shaped = np.array(rows).reshape(-1, 1 + len(names))
-    return Kept(names, about, shaped, np.array(recorded, dtype=bool), events, size - place)
+    return replace(kept, rows=shaped, recorded=np.array(recorded, dtype=bool), lost=size - place)
+
+
+def _take(kept: Kept, tag: bytes, said: Any) -> None:
+    """What a frame of JSON says. Raises ValueError and TypeError where it is none of towage's."""
+    if tag == b"E":
+        kept.events.append(Event(**said))
+    elif tag == b"M":
+        kept.messages.append(msgspec.convert(said, Message))
+    else:
+        time, name, text = msgspec.convert(said, tuple[float, str, str])
+        kept.texts.setdefault(name, []).append((time, text))
 
 
 def _frame(file: IO[bytes], width: int) -> tuple[bytes, bytes] | None:
     """(tag, content) of the next frame; None at the end, or where it is damaged."""
     tag = file.read(1)
-    if tag == b"E":
+    if tag in _SAID:
         width = int.from_bytes(file.read(4), "little")
-    elif tag not in (b"R", b"r") or not tag:
+    elif tag not in (b"R", b"r"):
         return None
     content = file.read(width) if width <= LONGEST_HEAD else b""
     if len(content) != width or file.read(4) != zlib.crc32(content).to_bytes(4, "little"):

@@ -25,6 +25,11 @@ def write_netcdf(
     data = Dataset("result.nc", "w", format="NETCDF4", memory=4096)
     data.createDimension("time", len(series["time"]))
     for name, values in series.items():
+        if values.dtype.kind == "U":
+            variable = data.createVariable(name.replace("/", "|"), str, ("time",))
+            variable.long_name = name
+            variable[:] = values.astype(object)
+            continue
         column = np.asarray(values, dtype=float)
         variable = data.createVariable(name.replace("/", "|"), "f8", ("time",), compression="zlib", fill_value=False)
         variable.units, variable.long_name = units.get(name) or "1", name

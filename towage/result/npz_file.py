@@ -23,14 +23,14 @@ Place = str | os.PathLike[str] | IO[bytes]
 """A path, or an open stream."""
 Columns = Mapping[str, NDArray[Any]]
 _FORMAT = 2
-_PREFIXES = {"columns": ("column", ""), "one_way": ("one_way", "one_way:")}
+_PREFIXES = {"columns": ("column", ""), "one_way": ("one_way", "one_way:"), "texts": ("text", "text:")}
 """Kind of series: prefix of the numbered keys, prefix of names."""
 
 
 def write_npz(
     path: Place, metadata: Mapping[str, Any], arrays: Columns, series: Mapping[str, Columns]
 ) -> None:
-    """Write ``metadata`` (JSON), ``arrays`` under their names, and the ``series`` "columns" and "one_way". Raises
+    """Write ``metadata`` (JSON), ``arrays`` under their names, and the ``series`` "columns", "one_way" and "texts". Raises
     `TowageError` and keeps the earlier file if it cannot be written."""
     keyed: dict[str, Any] = dict(arrays)
     described = {**metadata, "format": _FORMAT}
@@ -67,15 +67,16 @@ def read_npz(path: Place) -> dict[str, Any]:
         if f"{numbered}_names" in metadata:  # format 1
             keys = {name: f"{numbered}_{k}" for k, name in enumerate(metadata.pop(f"{numbered}_names"))}
         else:
-            keys = metadata.pop(f"{kind}_keys")
-        metadata[kind] = {name: _column(store, key) for name, key in keys.items()}
+            keys = metadata.pop(f"{kind}_keys", {})
+        letters = "U" if kind == "texts" else "fiub"
+        metadata[kind] = {name: _column(store, key, letters) for name, key in keys.items()}
     return {**metadata, "time": _column(store, "time"), "step_sizes": _column(store, "step_sizes")}
 
 
-def _column(store: Columns, key: str) -> NDArray[Any]:
-    """An array of numbers in one row."""
-    if store[key].ndim != 1 or store[key].dtype.kind not in "fiub":
-        raise ValueError(f"{key} is no row of numbers")
+def _column(store: Columns, key: str, letters: str = "fiub") -> NDArray[Any]:
+    """An array of numbers in one row, or of texts (``letters`` of numpy's kinds)."""
+    if store[key].ndim != 1 or store[key].dtype.kind not in letters:
+        raise ValueError(f"{key} is no row of {'texts' if letters == 'U' else 'numbers'}")
     return store[key]
 
 

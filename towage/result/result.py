@@ -23,6 +23,7 @@ from towage.result.mat_file import write_mat
 from towage.result.netcdf_file import write_netcdf
 from towage.result.npz_file import Place, read_npz, shown, write_npz
 from towage.result.records import NOT_JUDGED, Comparison, Event, Finding, Item, Margin, Statistic, Verdict
+from towage.units.log import Message
 
 if TYPE_CHECKING:
     import pandas
@@ -41,8 +42,8 @@ class Result:
     ``one_way``: the same variables with the back reaction left out, on the same grid. ``coupling_error``: variable to
     estimated relative error. ``power_residual``: bond to relative energy residual. ``step_sizes``: accepted
     communication steps, s. ``flavours``: unit to ``python``, ``native`` or the tool that made its FMU.
-    ``provenance``: what it was computed from (`towage.scene.provenance`). ``response``: curve ``ratio``, ``amplitude``,
-    point ``operating`` and ``label``.
+    ``provenance``: what it was computed from (`towage.scene.provenance`). ``texts``: columns of texts. ``messages``: what the
+    units logged. ``response``: curve ``ratio``, ``amplitude``, point ``operating`` and ``label``.
     """
 
     title: str
@@ -66,18 +67,21 @@ class Result:
     scene_source: str = ""
     flavours: dict[str, str] = field(default_factory=dict)
     response: dict[str, Any] | None = None
+    texts: dict[str, Array] = field(default_factory=dict)
+    messages: list[Message] = field(default_factory=list)
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
         """A column, shape (n,), SI, or ``time``. Raises KeyError with the nearest name."""
         if name == "time":
             return self.time
-        if name not in self.columns:
-            raise KeyError(f"no column {name!r}{suggest(name, self.columns)}")
-        return self.columns[name]
+        columns = {**self.columns, **self.texts}
+        if name not in columns:
+            raise KeyError(f"no column {name!r}{suggest(name, columns)}")
+        return columns[name]
 
     def __contains__(self, name: object) -> bool:
-        return name == "time" or name in self.columns
+        return name == "time" or name in self.columns or name in self.texts
 
     def worst_margin(self) -> Margin | None:
         """The smallest margin that decides; of those that are shown only if none decides; None if there are none."""
@@ -111,7 +115,7 @@ class Result:
         """(arrays, units of measure) of everything on the time grid, shape (n,), SI: ``time``, the columns, and those of
         the one-way run with the prefix ``one_way``."""
         second = {f"{one_way}{name}": name for name in self.one_way}
-        arrays = {"time": self.time, **self.columns, **{key: self.one_way[name] for key, name in second.items()}}
+        arrays = {"time": self.time, **self.columns, **self.texts, **{key: self.one_way[name] for key, name in second.items()}}
         units = {"time": "s", **self.units, **{key: self.units.get(name, "") for key, name in second.items()}}
         return arrays, units
 
@@ -119,7 +123,7 @@ class Result:
         """Everything, bit-exact; `load_npz` reads it back; ``path`` may be an open stream. Raises TowageError and keeps the
         earlier file if it cannot be written (this holds for every writer here)."""
         arrays = {"time": self.time, "step_sizes": self.step_sizes}
-        series = {"columns": self.columns, "one_way": self.one_way}
+        series = {"columns": self.columns, "one_way": self.one_way, "texts": self.texts}
         write_npz(path, self.metadata(), arrays, series)
 
     @classmethod
@@ -212,12 +216,13 @@ class Result:
         records = {"events", "checks", "margins"}
         values = {name: value for name, value in vars(self).items() if name not in _ARRAYS}
         values |= {name: [vars(record) for record in values[name]] for name in records}
+        values["messages"] = [list(message) for message in self.messages]
         return values | {"verdict": asdict(self.verdict), "comparison": self.comparison and asdict(self.comparison)}
 
 
-_LONG = ("scene_source", "response", "provenance")
+_LONG = ("scene_source", "response", "provenance", "messages")
 """What a summary leaves out."""
-_ARRAYS = ("time", "columns", "one_way", "step_sizes")
+_ARRAYS = ("time", "columns", "one_way", "step_sizes", "texts")
 _SAID = {name: kind for name, kind in get_type_hints(Result).items() if name not in _ARRAYS}
 """Everything but the arrays, with its type."""
 

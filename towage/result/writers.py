@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from towage.files import atomic_write
 from towage.result.result import Result
 
 
@@ -27,8 +28,12 @@ MAT = Writer("mat", "mat", Result.save_mat, "MAT 5, for MATLAB and Octave")
 
 
 def write_files(result: Result, path: Path, writers: Sequence[Writer]) -> list[Path]:
-    """One file a writer; ``path`` has no suffix yet. Raises `TowageError`."""
+    """One file a writer, and a log of what the units said, if they did; ``path`` has no suffix yet. Raises `TowageError`."""
     files = []
+    if result.messages:
+        files.append(path.with_name(f"{path.name}.log"))
+        with atomic_write(files[-1]) as stream:
+            stream.write("".join(f"{message.line()}\n" for message in result.messages).encode(errors="backslashreplace"))
     for writer in writers:
         files.append(path.with_name(f"{path.name}.{writer.suffix}"))
         writer.write(result, files[-1])

@@ -59,7 +59,8 @@ def flavour_of(description: Description) -> str:
     """``python`` or ``native`` for our own FMUs, else the tool that made it."""
     if not is_own(description):
         return description.generation_tool or "unknown tool"
-    return "native" if description.can_interpolate_inputs else "python"  # which PythonFMU's bridge does not offer
+    compiled = description.can_interpolate_inputs or description.fmi_version != "2.0"  # PythonFMU's bridge offers neither
+    return "native" if compiled else "python"
 
 
 def _chosen(unit: ResolvedUnit, shipped: str, fmus: Path | None, flavour: Flavour, say: Say) -> ResolvedUnit:

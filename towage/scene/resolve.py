@@ -21,18 +21,20 @@ from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.values import Names, Values, with_article
 from towage.units.archive import read_description
-from towage.units.description import Description, Value
+from towage.units.conventions import has
+from towage.units.description import Description, Value, Variable
 from towage.units.store import Locate
 
 
 class ResolvedConnection(NamedTuple):
-    """Target value = factor * source value."""
+    """Target value = factor * source value + offset; a text is passed on as it is."""
 
     source_unit: str
     source: str
     target_unit: str
     target: str
     factor: float
+    offset: float = 0.0
 
     def __str__(self) -> str:
         return f"{self.source_unit}.{self.source} -> {self.target_unit}.{self.target}"
@@ -63,7 +65,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     as "a.y -> b.u -> b.y -> a.u -> a.y": solved by the implicit scheme, or only presumed, for want of declarations;
     ``variants`` the other runs that its checks ask for; ``forgotten`` the inputs, as "unit.input", that are neither connected
     nor set and whose start value has no meaning of its own, ``remedies`` what to do about each; ``reads`` (unit, variable) that
-    checks compare, recorded or not."""
+    checks compare, recorded or not; ``warnings`` what was taken although something is wrong with it."""
 
     scene: Scene
     units: dict[str, ResolvedUnit]
@@ -74,6 +76,7 @@ class ResolvedScene(msgspec.Struct, frozen=True):
     forgotten: tuple[str, ...] = ()
     remedies: tuple[str, ...] = ()
     reads: tuple[tuple[str, str], ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 def described(scene: Scene, locate: Locate, open_ends: bool = False) -> ResolvedScene:
@@ -96,6 +99,11 @@ def check_all(scene: Scene, locate: Locate) -> tuple[str, ...]:
         except SceneError as error:
             raise scene.error(f"{error.key}: {error.args[0]}", f"cases.{case.name}.set") from None
     return tuple(forgotten)
+
+
+def warned(scene: Scene, locate: Locate) -> tuple[str, ...]:
+    """What is taken in a scene that `check_all` passed, although something is wrong with it."""
+    return _resolved(scene, descriptions_of(scene, locate)).warnings
 
 
 def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
@@ -152,21 +160,33 @@ def _bare(scene: Scene, names: Names) -> ResolvedScene:
     values = Values(names)
     units = {name: ResolvedUnit(name, d.path, d, values.of(name)) for name, d in names.descriptions.items()}
     loops = tuple(" -> ".join(loop) for loop in _loops(connections, names.descriptions))
-    return ResolvedScene(scene, units, connections, names.record(), loops)
+    said = [f"{name}: {text}" for name, d in names.descriptions.items() for text in d.warnings]
+    warnings = tuple(dict.fromkeys((*said, *names.warnings)))
+    return ResolvedScene(scene, units, connections, names.record(), loops, warnings=warnings)
 
 
 def _connection(text: str, key: str, names: Names) -> ResolvedConnection:
-    (source_unit, source), (target_unit, target) = (names.find(end, key) for end in text.split(" -> ", 1))
+    (source_unit, source), (target_unit, target) = _ends(text, key, names)
     for unit, variable, wanted in ((source_unit, source, "output"), (target_unit, target, "input")):
         if variable.causality != wanted:
             kind = with_article(variable.causality)
             raise names.fault(f"{unit}.{variable.name} is {kind}: expected {with_article(wanted)}", key)
     if source.type != target.type:
         raise names.fault(f"{text!r} joins {source.type} to {target.type}: the types must agree", key)
-    if source.type != "Real":
-        raise names.fault(f"{text!r} carries {source.type}: only Real signals are coupled", key)
-    factor = names.factor(text, source_unit, source, target_unit, target, key)
-    return ResolvedConnection(source_unit, source.name, target_unit, target.name, factor)
+    factor, offset = names.conversion(text, source_unit, source, target_unit, target, key)
+    return ResolvedConnection(source_unit, source.name, target_unit, target.name, factor, offset)
+
+
+def _ends(text: str, key: str, names: Names) -> tuple[tuple[str, Variable], tuple[str, Variable]]:
+    """Both ends of a connection; where names hold an arrow themselves, the way to read it that names existing variables."""
+    parts = text.split("->")
+    ways = [("->".join(parts[:k]), "->".join(parts[k:])) for k in range(1, len(parts))]
+    sound = [way for way in ways if all(map(names.exists, way))] or ways[:1]
+    if len(sound) > 1:
+        every = " or ".join(f"from {one.strip()!r} to {other.strip()!r}" for one, other in sound)
+        raise names.fault(f"{text!r} may be read in several ways, {every}: rename a unit of the scene", key)
+    first, second = sound[0]
+    return names.find(first, key), names.find(second, key)
 
 
 def _check_single_sources(connections: tuple[ResolvedConnection, ...], names: Names) -> None:
@@ -186,8 +206,8 @@ def _check_margins(names: Names) -> None:
         unit, _, own = name.partition(".")
         if own in added and unit in names.variables:
             continue
-        _, variable = names.find(name, key)
-        if not variable.name.startswith("margin_"):
+        unit, variable = names.find(name, key)
+        if not (variable.name.startswith("margin_") and has(names.descriptions[unit], variable.name)):
             raise names.fault(f"{name!r} is no margin: expected 'unit.margin_...'", key)
 
 

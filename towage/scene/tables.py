@@ -88,7 +88,10 @@ class Tables:
             self.fail(str(error), key)
 
     def connection(self, text: str, key: str) -> str:
-        """A connection in its one spelling, "unit.output -> unit.input"."""
+        """A connection in its one spelling, "unit.output -> unit.input"; with more than one arrow, which names of variables
+        may hold, as it is."""
+        if text.count("->") > 1 and _CONNECTION.fullmatch(text):
+            return text.strip()
         match = _CONNECTION.fullmatch(text)
         if match is None:
             self.fail(f"{text!r} is no connection: expected 'unit.output -> unit.input'", key)

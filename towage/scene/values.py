@@ -8,12 +8,11 @@ import re
 from collections.abc import Mapping
 
 from towage.errors import SceneError, suggest
-from towage.fmus.declare.quantities import QuantityError, base_expression, dimension, parse_quantity, unit_definition
+from towage.fmus.declare.quantities import base_expression, parse_quantity
 from towage.scene.scene import Scene
+from towage.units.conventions import Definition, definition, known
 from towage.units.description import Description, Value, Variable
 
-Definition = tuple[tuple[int, ...], float, float]
-"""Exponents of the base units, factor and offset of a unit of measure."""
 References = tuple[tuple[str, str], ...]
 """Parameters, as (unit, name), that refer to one another."""
 LARGEST_INTEGER = 2**31 - 1
@@ -27,6 +26,7 @@ class Names:
         self.scene = scene
         self.descriptions = descriptions
         self.variables = {name: description.by_name() for name, description in descriptions.items()}
+        self.warnings: list[str] = []
 
     def fault(self, message: str, key: str) -> SceneError:
         """A fault of the scene."""
@@ -41,19 +41,18 @@ class Names:
             raise self.fault(f"{end!r}: {unit} has no variable {name!r}{suggest(name, self.variables[unit])}", key)
         return unit, self.variables[unit][name]
 
+    def exists(self, end: str) -> bool:
+        """Whether "unit.variable" names one."""
+        unit, _, name = end.strip().partition(".")
+        return name in self.variables.get(unit, ())
+
     def record(self) -> tuple[tuple[str, str], ...]:
         """(unit, variable) of everything that is recorded. Raises `SceneError`."""
         names = self.scene.record.variables
         if names is None:
             every = ((unit, v) for unit, variables in self.variables.items() for v in variables.values())
-            return tuple((unit, v.name) for unit, v in every if v.causality == "output" and v.type == "Real")
+            return tuple((unit, v.name) for unit, v in every if v.causality == "output")
         named = [self.find(name, f"record.variables[{index}]") for index, name in enumerate(names)]
-        for index, (unit, variable) in enumerate(named):
-            if variable.type != "Real":
-                raise self.fault(
-                    f"{unit}.{variable.name} is {variable.type}: only Real variables are recorded",
-                    f"record.variables[{index}]",
-                )
         return tuple(dict.fromkeys((unit, variable.name) for unit, variable in named))
 
     def recorded(self, end: str, key: str) -> tuple[str, Variable]:
@@ -63,26 +62,28 @@ class Names:
             raise self.fault(f"{end!r} is not recorded: add it to record.variables", key)
         return unit, variable
 
-    def factor(self, text: str, unit: str, source: Variable, to: str, target: Variable, key: str) -> float:
-        """By what a value of ``source`` is multiplied for ``target``. An undeclared unit of measure fits every other."""
+    def conversion(
+        self, text: str, unit: str, source: Variable, to: str, target: Variable, key: str
+    ) -> tuple[float, float]:
+        """(factor, offset): target = factor * source + offset. An undeclared unit of measure fits every other; one that is
+        defined nowhere too, with a warning."""
         if source.unit is None or target.unit is None or source.type != "Real":
-            return 1.0
+            return 1.0, 0.0
         ours, theirs = self.definition(unit, source.unit), self.definition(to, target.unit)
         if ours == theirs and (ours is not None or source.unit == target.unit):
-            return 1.0
+            return 1.0, 0.0
         if ours is None or theirs is None:
-            which = source.unit if ours is None else target.unit
-            raise self.fault(f"{text!r}: unit {which!r} is defined nowhere, so it cannot be converted", key)
-        if ours[0] != theirs[0] or ours[2] != theirs[2]:
+            which, other = (source.unit, target.unit) if ours is None else (target.unit, source.unit)
+            self.warnings.append(f"{text!r}: {which!r} is defined nowhere, so values pass unchanged, as if it were {other!r}")
+            return 1.0, 0.0
+        if ours[0] != theirs[0]:
             first, second = (f"{v.unit} [{base_expression(d[0])}]" for v, d in ((source, ours), (target, theirs)))
             raise self.fault(f"{text!r} joins {first} to {second}: the units do not measure the same thing", key)
-        return ours[1] / theirs[1]
+        return ours[1] / theirs[1], (ours[2] - theirs[2]) / theirs[1]
 
     def definition(self, unit: str, name: str) -> Definition | None:
         """A unit of measure as the FMU of ``unit`` defines it, else as towage does, else None."""
-        if own := self.descriptions[unit].units.get(name):
-            return own.exponents, own.factor, own.offset
-        return _known(name)
+        return definition(self.descriptions[unit], name)
 
 
 class Values:
@@ -130,8 +131,8 @@ class Values:
             value = source.start
         if value is None:
             raise self._names.fault(f"'= {end}' has no start value: give it one", key)
-        factor = self._names.factor(f"= {end}", other, source, unit, variable, key)
-        return value if isinstance(value, (bool, str)) or factor == 1.0 else value * factor
+        factor, offset = self._names.conversion(f"= {end}", other, source, unit, variable, key)
+        return value if isinstance(value, (bool, str)) or (factor, offset) == (1.0, 0.0) else value * factor + offset
 
     def _checked(self, unit: str, variable: Variable, given: Value, key: str) -> Value:
         """``given`` as a value of the variable's type, inside its bounds."""
@@ -140,7 +141,9 @@ class Values:
             value = self._quantity(unit, variable, given, key)
         elif variable.type == "Real" and isinstance(given, int) and not isinstance(given, bool):
             value = float(given) if abs(given) < 2**1000 else math.inf
-        expected = {"Real": float, "Boolean": bool, "String": str}.get(variable.type, int)
+        expected = {"Real": float, "Boolean": bool, "String": str, "Binary": str}.get(variable.type, int)
+        if variable.type == "Binary" and not re.fullmatch(r"([0-9a-fA-F]{2}|\s)*", str(value)):
+            raise self._names.fault(f"{given!r} is no Binary: write hexadecimal digits, two a byte", key)
         if type(value) is not expected:
             raise self._names.fault(f"{given!r} is no {variable.type}, as {variable.name} is", key)
         if isinstance(value, (bool, str)):
@@ -163,25 +166,21 @@ class Values:
         """A text with a unit of measure, in the one that the variable declares."""
         if variable.unit is None:
             raise self._names.fault(f"{text!r}: {variable.name} declares no unit, write a plain number", key)
-        declared, known = self._names.definition(unit, variable.unit), _known(variable.unit)
+        declared, ours = self._names.definition(unit, variable.unit), known(variable.unit)
         if declared is None:
             message = f"unit {variable.unit!r} of {variable.name} is defined nowhere, write a plain number"
             raise self._names.fault(message, key)
         try:
-            if declared == known:
-                return parse_quantity(text, variable.unit)
             exponents, factor, offset = declared
+            number, _, name = text.strip().partition(" ")
+            own = self._names.descriptions[unit].units.get(name.strip())  # a unit that the FMU defines, as degC
+            if own and own.exponents == exponents and known(name.strip()) is None:
+                return (float(number) * own.factor + own.offset - offset) / factor
+            if declared == ours:
+                return parse_quantity(text, variable.unit)
             return (parse_quantity(text, base_expression(exponents)) - offset) / factor
-        except QuantityError as error:
+        except ValueError as error:
             raise self._names.fault(f"{error} (the unit of {variable.name} is {variable.unit})", key) from None
-
-
-def _known(unit: str) -> Definition | None:
-    """A unit of measure as towage defines it."""
-    try:
-        return dimension(unit), unit_definition(unit)[1], 0.0
-    except QuantityError:
-        return None
 
 
 def with_article(causality: str) -> str:

@@ -18,6 +18,8 @@ from towage.sweeps.table import Table
 
 SHOWN = 20
 """Runs listed in a table: all are in the CSV file."""
+MOST = 6
+"""Diagrams of variables that nothing tells to be of more interest than others."""
 Limit = tuple[str, float]
 """A recorded variable and the value that it should stay under, in its own unit."""
 
@@ -64,7 +66,8 @@ def _counted(words: Sequence[str]) -> str:
 
 
 def _quantities(table: Table, scene: Scene, limits: Sequence[Limit]) -> list[Quantity]:
-    """What is worth a diagram: the SDOF error, the worst margin, the largest tension, and what has a limit."""
+    """What is worth a diagram: the SDOF error, the worst margin, the largest tension, and what has a limit; where there is
+    none of these, as with units of other makes, the largest value of the first variables that are recorded."""
     check = scene.checks.get("sdof")
     wanted = [
         Quantity("sdof:rms", "SDOF error, rms", check.tolerance if check else None),
@@ -73,7 +76,9 @@ def _quantities(table: Table, scene: Scene, limits: Sequence[Limit]) -> list[Qua
     known = dict(limits)
     tension = check.tension if check else next((n[4:] for n in table.measures if n.endswith("tension")), "")
     wanted += [Quantity(f"max:{n}", f"largest {n}", known.get(n)) for n in dict.fromkeys([*known, tension])]
-    return [q for q in wanted if np.isfinite(table.measures.get(q.name, np.nan)).any()]
+    drawn = [q for q in wanted if np.isfinite(table.measures.get(q.name, np.nan)).any()]
+    rest = (n for n, values in table.measures.items() if n.startswith("max:") and np.isfinite(values).any())
+    return drawn or [Quantity(name, f"largest {name[4:]}") for name in list(rest)[:MOST]]
 
 
 def _figures(table: Table, quantities: Sequence[Quantity], limits: Sequence[Limit]) -> list[str]:
@@ -81,6 +86,8 @@ def _figures(table: Table, quantities: Sequence[Quantity], limits: Sequence[Limi
         return ["<p>No run was done.</p>"]
     targets = len(table.design.targets)
     drawn: list[str] = []
+    if not quantities:
+        return ["<p>Nothing that is recorded has a number to draw.</p>"]
     if targets == 1:
         drawn.append(figure(over_one(table, list(quantities), "one"), "", "Dashed: the limit. Crosses: not done."))
     for k, one in enumerate(quantities):

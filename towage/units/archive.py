@@ -1,4 +1,4 @@
-"""FMI 2.0 co-simulation archives, read and unpacked without running or trusting anything in them.
+"""FMI 2.0 and 3.0 co-simulation archives, read and unpacked without running or trusting anything in them.
 
 ``read_description`` answers what a scene needs to be checked; ``extract`` unpacks after every check. What is refused:
 names that leave the directory or collide, links, decompression bombs, truncated or damaged data, a DOCTYPE (entities),
@@ -13,6 +13,7 @@ import re
 import shutil
 import stat
 import struct
+import sys
 import tempfile
 import unicodedata
 import zipfile
@@ -20,13 +21,17 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from xml.etree import ElementTree
 from xml.parsers import expat
+
+from msgspec.structs import replace
 
 from towage import reading
 from towage.errors import FmuError
 from towage.files import scratch
 from towage.units import binary
-from towage.units.description import Description, DescriptionReader, InvalidDescription
+from towage.units.description import Description
+from towage.units.reader import DescriptionReader, InvalidDescription
 
 MAX_ENTRIES = 10_000
 MAX_UNPACKED = 512 * 2**20
@@ -73,7 +78,7 @@ def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
 
 def check_platform(description: Description) -> str:
     """The name of this platform's directory in ``binaries``. Raises ``FmuError`` if the FMU has no binary for it."""
-    platform, suffix = binary.platform_name()
+    platform, suffix = binary.platform_name() if description.fmi_version == "2.0" else binary.platform_tuple()
     if platform not in description.platforms:
         raise FmuError(
             f"no binary for {platform} (binaries/{platform}/{description.model_identifier}{suffix}); "
@@ -183,7 +188,7 @@ def _entry_problem(entry: zipfile.ZipInfo, parts: list[str]) -> str:
         return "is an absolute path"
     if ".." in parts:
         return "leaves the archive's directory"
-    if re.search(r"[\\:\x00-\x1f]", name) or any(part.strip() in ("", ".") or part[-1] in ". " for part in parts):
+    if re.search(r"[\\:\x00-\x1f]", name) or any(part.strip() in ("", ".") or _ending(part) for part in parts):
         return "is not a portable name: expected words separated by '/'"
     if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
         return "is a symbolic link" if stat.S_ISLNK(mode) else "is not a regular file"
@@ -192,6 +197,17 @@ def _entry_problem(entry: zipfile.ZipInfo, parts: list[str]) -> str:
     if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         return f"is compressed by method {entry.compress_type}: FMI allows stored and deflated"
     return ""
+
+
+def _ending(part: str) -> bool:
+    """Whether a name ends in what this platform does not keep: Windows drops full stops and blanks."""
+    return part[-1] in ". " if sys.platform == "win32" else part[-1] == " "
+
+
+def _unportable(names: list[str]) -> tuple[str, ...]:
+    """What to say of entries that end in a full stop, which Windows does not keep."""
+    odd = [name for name in names if any(part.endswith(".") for part in name.rstrip("/").split("/"))]
+    return (f"the archive has {', '.join(odd[:3])}, which Windows cannot unpack: taken here",) if odd else ()
 
 
 def _unpack(archive: zipfile.ZipFile, target: Path) -> None:
@@ -238,8 +254,25 @@ def _describe(path: Path, archive: zipfile.ZipFile) -> Description:
     try:
         with archive.open(_DESCRIPTION) as stream:
             root = reading.xml(stream)
-        return DescriptionReader(root).description(path, names)
+        description = _reader(root).description(path, names)
+        return replace(description, warnings=description.warnings + _unportable(names))
     except (InvalidDescription, reading.Refused) as error:
         raise FmuError(str(error), file=path, entry=_DESCRIPTION) from None
     except (expat.ExpatError, ValueError, LookupError, AssertionError) as error:
         raise FmuError(f"is not well-formed XML: {error}", file=path, entry=_DESCRIPTION) from error
+
+
+def _reader(root: ElementTree.Element) -> DescriptionReader:
+    """What reads this version. Raises `InvalidDescription` for one that is not supported."""
+    if root.tag != "fmiModelDescription":
+        raise InvalidDescription(f"root element is {root.tag!r}, expected 'fmiModelDescription'")
+    version = root.get("fmiVersion", "")
+    if version == "2.0":
+        return DescriptionReader(root)
+    if re.match(r"3\.[0-9]", version):
+        from towage.units.reader3 import DescriptionReader3
+
+        return DescriptionReader3(root)
+    raise InvalidDescription(
+        f"FMI version {version!r} is not supported, expected '2.0' or '3.0': export the model as FMI 2.0 or 3.0"
+    )

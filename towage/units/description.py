@@ -1,27 +1,15 @@
-"""``modelDescription.xml`` of an FMI 2.0 co-simulation FMU as plain structures."""
+"""``modelDescription.xml`` of an FMI 2.0 co-simulation FMU or FMI 3.0 co-simulation FMU as plain structures."""
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Callable
+import functools
 from pathlib import Path
-from typing import Literal, TypeVar
-from xml.etree import ElementTree
+from typing import Literal
 
 import msgspec
 
-from towage.fmus.declare.quantities import BASES
-
-_INITIAL = {"parameter": "exact", "calculatedParameter": "calculated", "input": "", "independent": ""}
-T = TypeVar("T")
 Value = float | int | bool | str
-Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
-LONGEST_NAME = 1000
-"""Letters of the name of a variable: names go into messages, headers and the legends of diagrams."""
-CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
-VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
-_KINDS: dict[str, Kind] = {k: k for k in ("Real", "Integer", "Boolean", "String", "Enumeration")}
+Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration", "Binary"]
 
 
 class Variable(msgspec.Struct, frozen=True):
@@ -29,7 +17,8 @@ class Variable(msgspec.Struct, frozen=True):
 
     ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless. ``needed``: an
     input that a scene has to connect or set; ``unset``: what it means if it does not, where the unit says so
-    (`towage.models.protocol.variables.input_variable`).
+    (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and read;
+    ``array``: the number of elements of the array that it is an element of, which share the value reference.
     """
 
     name: str
@@ -47,6 +36,8 @@ class Variable(msgspec.Struct, frozen=True):
     description: str = ""
     needed: bool = False
     unset: str = ""
+    kind: str = "Real"
+    array: int = 1
 
 
 class UnitDefinition(msgspec.Struct, frozen=True):
@@ -66,10 +57,12 @@ class DefaultExperiment(msgspec.Struct, frozen=True):
     step_size: float | None = None
 
 
-class Description(msgspec.Struct, frozen=True):
+class Description(msgspec.Struct, frozen=True, dict=True):
     """A modelDescription.xml, and the platforms that the archive has a binary for.
 
     ``dependencies`` gives the inputs that act on an output without delay; None: not declared, so all of them may.
+    ``conventions``: its names mean what `towage.units.conventions` says, as the maker declares. ``warnings``: what breaks the
+    standard and is taken all the same. ``event_mode``: the unit has FMI 3's.
     """
 
     path: Path
@@ -90,179 +83,27 @@ class Description(msgspec.Struct, frozen=True):
     dependencies: dict[str, tuple[str, ...] | None]
     units: dict[str, UnitDefinition]
     platforms: tuple[str, ...]
+    conventions: bool = False
+    warnings: tuple[str, ...] = ()
+    event_mode: bool = False
 
     def by_name(self) -> dict[str, Variable]:
         """The variables under their names."""
+        return self._names
+
+    @functools.cached_property
+    def _names(self) -> dict[str, Variable]:
         return {variable.name: variable for variable in self.variables}
+
+    def siblings(self, name: str) -> list[str]:
+        """The elements of the array of which ``name`` is one, in order; ``name`` alone where it is none."""
+        variable = self.by_name()[name]
+        if variable.array == 1:
+            return [name]
+        same = (variable.value_reference, variable.kind)
+        return [v.name for v in self.variables if (v.value_reference, v.kind) == same]
 
 
 def is_own(description: Description) -> bool:
     """Whether the FMU is one of towage's own, by what it says of itself."""
     return description.generation_tool.split(" ")[0] == "towage"
-
-
-class InvalidDescription(Exception):
-    """A model description that breaks FMI 2.0."""
-
-
-def _number(element: ElementTree.Element, key: str, as_type: Callable[[str], T]) -> T | None:
-    text = element.get(key)
-    try:
-        return None if text is None else as_type(text)
-    except ValueError:
-        where = f"'{element.get('name')}': " if element.get("name") else ""
-        raise InvalidDescription(
-            f"{where}{element.tag} has {key}={text!r}, expected {as_type.__name__.strip('_')}"
-        ) from None
-
-
-def _boolean(text: str) -> bool:
-    if text not in ("true", "false", "1", "0"):
-        raise ValueError
-    return text in ("true", "1")
-
-
-_VALUES: dict[str, Callable[[str], Value]] = {
-    "Real": float, "Integer": int, "Boolean": _boolean, "String": str, "Enumeration": int,
-}  # fmt: skip
-
-
-class DescriptionReader:
-    """Reads one parsed model description."""
-
-    def __init__(self, root: ElementTree.Element) -> None:
-        self.root = root
-        self.types: dict[str, ElementTree.Element] = {}
-        for simple in root.iterfind("TypeDefinitions/SimpleType"):
-            self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
-        said = root.iterfind("VendorAnnotations/Tool[@name='towage']/Inputs/Input")
-        self.inputs = {element.get("name", ""): element for element in said}
-
-    def description(self, path: Path, names: list[str]) -> Description:
-        """The description of the FMU at ``path``, whose archive has entries of these names. Raises `InvalidDescription`."""
-        root = self.root
-        if root.tag != "fmiModelDescription":
-            raise InvalidDescription(f"root element is {root.tag!r}, expected 'fmiModelDescription'")
-        version, unit = root.get("fmiVersion"), root.find("CoSimulation")
-        if version != "2.0":
-            raise InvalidDescription(
-                f"FMI version {version!r} is not supported, expected '2.0': export the model as FMI 2.0"
-            )
-        if unit is None:
-            raise InvalidDescription(
-                "no CoSimulation element: model exchange is not supported, export for co-simulation"
-            )
-        identifier = unit.get("modelIdentifier", "")
-        if not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", identifier):
-            raise InvalidDescription(f"modelIdentifier {identifier!r} is not a C identifier")
-        missing = [key for key in ("modelName", "guid") if not root.get(key)]
-        if missing:
-            raise InvalidDescription(f"required attribute {missing[0]!r} is missing")
-        variables = tuple(map(self.variable, root.iterfind("ModelVariables/ScalarVariable")))
-        seen: set[str] = set()
-        for variable in variables:
-            if variable.name in seen:
-                raise InvalidDescription(f"variable {variable.name!r} is declared twice")
-            seen.add(variable.name)
-        experiment = root.find("DefaultExperiment")
-        times = () if experiment is None else ("startTime", "stopTime", "tolerance", "stepSize")
-        libraries = (re.fullmatch(rf"binaries/([^/]+)/{identifier}(\.so|\.dll|\.dylib)", name) for name in names)
-        return Description(
-            path=path,
-            fmi_version=version,
-            model_name=root.get("modelName", ""),
-            guid=root.get("guid", ""),
-            model_identifier=identifier,
-            generation_tool=root.get("generationTool", ""),
-            can_get_set_state=self.flag(unit, "canGetAndSetFMUstate"),
-            can_serialize_state=self.flag(unit, "canSerializeFMUstate"),
-            can_interpolate_inputs=self.flag(unit, "canInterpolateInputs"),
-            max_output_derivative_order=_number(unit, "maxOutputDerivativeOrder", int) or 0,
-            can_handle_variable_step=self.flag(unit, "canHandleVariableCommunicationStepSize"),
-            needs_execution_tool=self.flag(unit, "needsExecutionTool"),
-            once_per_process=self.flag(unit, "canBeInstantiatedOnlyOncePerProcess"),
-            default_experiment=DefaultExperiment(*(_number(experiment, key, float) for key in times))
-            if experiment is not None
-            else DefaultExperiment(),
-            variables=variables,
-            dependencies=self.dependencies(variables),
-            units=dict(map(self.unit, root.iterfind("UnitDefinitions/Unit[BaseUnit]"))),
-            platforms=tuple(sorted({match[1] for match in libraries if match})),
-        )
-
-    @staticmethod
-    def flag(element: ElementTree.Element, key: str) -> bool:
-        """A Boolean attribute; false where it is missing."""
-        return bool(_number(element, key, _boolean))
-
-    @staticmethod
-    def unit(element: ElementTree.Element) -> tuple[str, UnitDefinition]:
-        """(name, definition) of a unit of measurement."""
-        base = element.find("BaseUnit")
-        assert base is not None
-        factor, offset = _number(base, "factor", float), _number(base, "offset", float) or 0.0
-        exponents = tuple(_number(base, key, int) or 0 for key in BASES)
-        if factor == 0.0 or not math.isfinite(factor or 1.0) or not math.isfinite(offset):
-            raise InvalidDescription(f"unit {element.get('name')!r} has factor {factor} and offset {offset}")
-        return element.get("name", ""), UnitDefinition(exponents, 1.0 if factor is None else factor, offset)
-
-    def variable(self, element: ElementTree.Element) -> Variable:
-        """The variable, with what its declared type adds. Raises `InvalidDescription`."""
-        name = element.get("name", "")
-        kinds = [child for child in element if child.tag in _KINDS]
-        reference = _number(element, "valueReference", int)
-        if len(name) > LONGEST_NAME:
-            raise InvalidDescription(f"a variable's name has {len(name)} letters, more than {LONGEST_NAME}: refused")
-        if not name or reference is None or not 0 <= reference < 2**32 or len(kinds) != 1:
-            raise InvalidDescription(
-                f"variable {name!r} needs a name, a value reference from 0 to 2^32 - 1 and exactly one type"
-            )
-        own, causality = kinds[0], element.get("causality", "local")
-        variability = element.get("variability", "continuous")
-        for word, value, known in (("causality", causality, CAUSALITIES), ("variability", variability, VARIABILITIES)):
-            if value not in known:
-                raise InvalidDescription(f"variable {name!r} has {word} {value!r}, expected {', '.join(known)}")
-        declared = own.get("declaredType")
-        if declared is not None and (declared not in self.types or self.types[declared].tag != own.tag):
-            raise InvalidDescription(
-                f"variable {name!r} has declaredType {declared!r}, which is no {own.tag} of TypeDefinitions"
-            )
-        kind = ElementTree.Element(own.tag, {**(self.types[declared].attrib if declared else {}), **own.attrib})
-        kind.attrib.pop("name", None)
-        exact = variability == "constant"
-        return Variable(
-            name=name,
-            value_reference=reference,
-            type=_KINDS[own.tag],
-            causality=causality,
-            variability=variability,
-            initial=element.get("initial") or _INITIAL.get(causality, "exact" if exact else "calculated"),
-            start=_number(kind, "start", _VALUES[own.tag]),
-            unit=kind.get("unit"),
-            display_unit=kind.get("displayUnit"),
-            min=_number(kind, "min", float),
-            max=_number(kind, "max", float),
-            nominal=_number(kind, "nominal", float),
-            description=element.get("description", ""),
-            needed=name in self.inputs and self.flag(self.inputs[name], "needed"),
-            unset=self.inputs[name].get("unset", "") if name in self.inputs else "",
-        )
-
-    def dependencies(self, variables: tuple[Variable, ...]) -> dict[str, tuple[str, ...] | None]:
-        """Direct dependencies of the outputs, on inputs only."""
-
-        def at(index: str) -> Variable:
-            """The variable of an index of ModelStructure, which begins at 1."""
-            if not index.isdecimal() or not 1 <= int(index) <= len(variables):
-                raise InvalidDescription(f"ModelStructure names variable {index!r}, expected 1 to {len(variables)}")
-            return variables[int(index) - 1]
-
-        result: dict[str, tuple[str, ...] | None] = {v.name: None for v in variables if v.causality == "output"}
-        for unknown in self.root.iterfind("ModelStructure/Outputs/Unknown"):
-            output, declared = at(unknown.get("index", "")), unknown.get("dependencies")
-            if output.name not in result:
-                raise InvalidDescription(f"ModelStructure lists {output.name!r} as an output, but its causality is not")
-            if declared is not None:
-                known = map(at, declared.split())
-                result[output.name] = tuple(v.name for v in known if v.causality == "input")
-        return result

@@ -12,15 +12,27 @@ from pathlib import Path
 
 from towage.errors import RunError
 from towage.units.description import Description, Value
-from towage.units.library import Instance
+from towage.units.library import NEVER_BEFORE, Instance
+from towage.units.log import STATUS
 from towage.units.wiring import Wanted, Wiring
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
-STATUS = ("OK", "Warning", "Discard", "Error", "Fatal")
+LIES = "PythonFMU"
+"""The tool whose bridge (0.7) says after every step that was not done that the unit ended the simulation; units of towage never
+end it."""
+SAME_TIME = 1e-9
+"""Share of a step by which the time that a unit reached may miss the step's end."""
 
 
 class StepRefused(Exception):
-    """fmi2DoStep returned Discard or Error: the instance may be restored and stepped otherwise."""
+    """fmi2DoStep returned Discard or Error: the instance may be restored and stepped otherwise. ``ends``: unless ``unit``
+    ends the simulation by itself, at ``reached`` (s, None: it does not say). ``event``: a step that ends there, s, will do."""
+
+    def __init__(
+        self, text: str, unit: str, ends: bool = False, reached: float | None = None, event: float | None = None
+    ) -> None:
+        super().__init__(text)
+        self.unit, self.ends, self.reached, self.event = unit, ends, reached, event
 
 
 class Unit:
@@ -42,7 +54,10 @@ class Unit:
         self.outputs = self.wiring.outputs
         self.slot = {n: k for k, n in enumerate(self.outputs)}
         self.values: list[float] = [0.0] * len(self.outputs)
-        self.instance = Instance(name, description, directory)
+        self.begun = False
+        self.endings: list[tuple[str, float]] = []
+        self.can_roll_back = description.can_get_set_state
+        self.instance = instance_of(name, description, directory)
         self._state = c_void_p()
         self.advance = self._stepper()
 
@@ -50,16 +65,22 @@ class Unit:
         """Raises `RunError` for a status that is neither OK nor Warning."""
         if status not in (OK, WARNING):
             self.instance.dead = status == FATAL
-            said = self.instance.last_message
+            said = self.instance.log.said
             word = (
                 STATUS[status] if 0 <= status <= FATAL else f"{status}, which is none of the standard's statuses for it"
             )
             raise RunError(f"{what} returned {word}" + (f": {said}" if said else ""), unit=self.name, time=time)
 
-    def start(self, start: Mapping[str, Value], start_time: float, stop_time: float) -> None:
-        """Set start values, initialise and read the outputs. Raises `RunError`."""
-        self.instance.initialize(self.variables, start, start_time, stop_time)
-        self.get(start_time)
+    def enter(self, start: Mapping[str, Value], span: tuple[float, float], tolerance: float | None) -> None:
+        """Set start values and enter initialisation mode: `Instance.enter`. Raises `RunError`."""
+        self.wiring.fill(start)
+        self.instance.enter(self.variables, start, span, tolerance)
+
+    def begin(self, time: float) -> None:
+        """Leave initialisation mode and read the outputs. Raises `RunError`."""
+        self.instance.begin(time)
+        self.begun = self.description.conventions  # others tell derivatives of outputs after a step alone, as FMI 2.0 has it
+        self.get(time)
 
     def constant(self, name: str) -> float | None:
         """Current value of a Real variable, None if the unit has none of that name."""
@@ -77,6 +98,17 @@ class Unit:
             status = instance.set_derivatives(instance.component, *wiring.set_derivatives)
             if status:
                 self._check(status, "setting input derivatives", time)
+        if wiring.others.any_in:
+            self._set_others(time)
+
+    def _set_others(self, time: float) -> None:
+        """Pass on the inputs that are no doubles."""
+        try:
+            self.wiring.others.set(
+                self.instance, self.input_buffer, lambda status: self._check(status, "setting inputs", time)
+            )
+        except ValueError as error:
+            raise RunError(str(error), unit=self.name, time=time) from None
 
     def get(self, time: float) -> list[float]:
         """Read the outputs into ``values``. Raises `RunError` if one is not finite."""
@@ -85,20 +117,26 @@ class Unit:
             status = instance.get_real(instance.component, *wiring.get_values)
             if status:
                 self._check(status, "reading outputs", time)
-        if wiring.get_derivatives:
+        if wiring.get_derivatives and self.begun:
             status = instance.get_derivatives(instance.component, *wiring.get_derivatives)
             if status:
                 self._check(status, "reading output derivatives", time)
-        return self._accept(wiring.output_buffer[:], time)
+        values = wiring.output_buffer[:]
+        if wiring.others.any_out:
+            values += wiring.others.get(instance, wiring.typed, lambda status: self._check(status, "reading outputs", time))
+        return self._accept(values, time)
 
     def _accept(self, values: list[float], time: float) -> list[float]:
         """Make ``values`` the present ones. Raises `RunError` if one is not finite."""
         if not abs(sum(values)) < math.inf:
             for name, value, before in zip(self.outputs, values, self.values):
                 if not math.isfinite(value):
+                    variable, of = name, ""
+                    if name not in self.variables:  # a rate that the unit computes by function
+                        variable, of = name.removesuffix("_rate"), "its time derivative "
                     raise RunError(
-                        f"{name} became {value}; its last finite value was {before!r}",
-                        unit=self.name, variable=name, time=time,
+                        f"{of or f'{name} '}became {value}; its last finite value was {before!r}",
+                        unit=self.name, variable=variable, time=time,
                     )  # fmt: skip
         self.values = values
         return values
@@ -111,7 +149,8 @@ class Unit:
         set_real, set_values = instance.set_real, wiring.set_values
         set_input_derivatives, set_derivatives = instance.set_derivatives, wiring.set_derivatives
         get_real, get_values, buffer = instance.get_real, wiring.get_values, wiring.output_buffer
-        values_alone = bool(get_values) and not wiring.get_derivatives
+        others, words_in = wiring.others, wiring.others.any_in
+        values_alone = bool(get_values) and not wiring.get_derivatives and not others.any_out
 
         def advance(time: float, size: float) -> list[float]:
             """One step from ``time`` by ``size``, s; returns the outputs."""
@@ -123,13 +162,13 @@ class Unit:
                 status = set_input_derivatives(component, *set_derivatives)
                 if status:
                     check(status, "setting input derivatives", time)
-            status = do_step(component, time, size, 0)
+            if words_in:
+                self._set_others(time)
+            status = do_step(component, time, size, NEVER_BEFORE)
             if status and status != WARNING:
-                if status not in (DISCARD, ERROR):
-                    check(status, "the step", time)
-                said = instance.last_message
-                raise StepRefused(f"{self.name}, {STATUS[status]}" + (f": {said}" if said else ""))
+                self._refused(status, time, size)
             if not values_alone:
+                self.begun = True
                 return get(time + size)
             status = get_real(component, *get_values)
             if status:  # Fatal may be its last: it is not asked again
@@ -142,10 +181,19 @@ class Unit:
 
         return advance
 
-    @property
-    def can_roll_back(self) -> bool:
-        """Whether the unit can save and restore its state."""
-        return self.description.can_get_set_state
+    def _refused(self, status: int, time: float, size: float) -> None:
+        """Raises `StepRefused` for a step that was not done, `RunError` for a status after which there is none. A unit that
+        ends the simulation at the end of the step has done it."""
+        if status not in (DISCARD, ERROR):
+            self._check(status, "the step", time)
+        tells = status == DISCARD and not (self.description.conventions or self.description.generation_tool.startswith(LIES))
+        ends, reached = self.instance.ended() if tells else (False, None)
+        if ends and reached is not None and abs(reached - (time + size)) <= SAME_TIME * size:
+            self.endings.append((self.name, time + size))
+            return
+        said = self.instance.log.said
+        text = f"{self.name}, {STATUS[status]}" + (f": {said}" if said else "")
+        raise StepRefused(text, self.name, ends, reached, self.instance.event_inside())
 
     def save(self, time: float) -> None:
         """Keep the present state for `restore`; only the newest is kept."""
@@ -178,6 +226,7 @@ class Unit:
             status = self.instance.deserialize(self.instance.component, data, len(data), byref(state))
             self._check(status, "deserialising the state", time)
             self._check(self.instance.set_state(self.instance.component, state), "restoring the state", time)
+            self.begun = self.begun or time > 0.0  # it was stepped to there
         finally:
             self.instance.free_state(self.instance.component, byref(state))
 
@@ -192,6 +241,15 @@ class Unit:
         if not self.instance.dead:
             self.forget()
         self.instance.close()
+
+
+def instance_of(name: str, description: Description, directory: Path) -> Instance:
+    """An instance of the FMU's version of FMI. Raises what `Instance` raises."""
+    if description.fmi_version == "2.0":
+        return Instance(name, description, directory)
+    from towage.units.library3 import Instance3
+
+    return Instance3(name, description, directory)
 
 
 UnitFactory = Callable[[str, Description, Path, Wanted], Unit]

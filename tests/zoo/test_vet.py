@@ -1,0 +1,120 @@
+"""What `towage vet` finds of the animals, and that the master heeds it."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from towage.cli import main
+from towage.process.child import converse
+from towage.vet.bench import Bench
+from towage.vet.trials import TRIALS, tried
+from towage.vet.vet import vet
+
+from .zoo import animal, animal3, run, told
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TOWAGE_CACHE", str(tmp_path / "cache"))
+
+
+def levels(name: str, fmu: str) -> dict[str, str]:
+    """What a trial found, by what it is called."""
+    return {trial.name: trial.level for trial in tried(name, Path(fmu))}
+
+
+@pytest.mark.parametrize("make", [animal, animal3])
+def test_a_sound_unit_is_sound(tmp_path: Path, make: object) -> None:
+    fmu = make(tmp_path / "a.fmu")  # type: ignore[operator]
+    for name in TRIALS:
+        assert set(levels(name, fmu).values()) <= {"ok", "note"}, (name, tried(name, Path(fmu)))
+
+
+@pytest.mark.parametrize(
+    ("manner", "trial", "found", "level"),
+    [
+        ("commits", "flag", "flag", "note"),
+        ("hidden", "rollback", "state", "warning"),
+        ("lazy", "feedthrough", "feedthrough", "note"),
+        ("wanders", "environment", "environment", "fault"),
+        ("leaks", "leaks", "leaks", "warning"),
+        ("forks", "environment", "environment", "fault"),
+        ("rounds", "environment", "environment", "fault"),
+        ("shares", "determinism", "two instances", "fault"),
+        ("chance", "determinism", "determinism", "fault"),
+        ("opens", "environment", "environment", "warning"),
+    ],
+)
+def test_what_a_unit_does_is_found(tmp_path: Path, manner: str, trial: str, found: str, level: str) -> None:
+    fmu = animal(tmp_path / "a.fmu", manner)
+    answer = vet_one(trial, fmu)
+    assert answer[found][0] == level, answer
+
+
+def vet_one(trial: str, fmu: str) -> dict[str, tuple[str, str]]:
+    """One trial in a process of its own, because the unit may change this one."""
+    answer = converse("towage.vet.vet", pickle.dumps((trial, Path(fmu))), None, 120.0)
+    return {name: (level, message) for name, level, message, _ in answer["trials"]}
+
+
+def test_undeclared_feedthrough_is_a_fault(tmp_path: Path) -> None:
+    fmu = animal(tmp_path / "a.fmu", depends={"w": ""})
+    (trial,) = tried("feedthrough", Path(fmu))
+    assert (trial.level, "u -> w" in trial.message) == ("fault", True)
+
+
+def test_a_rate_that_is_none_is_found(tmp_path: Path) -> None:
+    """y_rate = gain u fits y' = gain u; called so of w, it does not."""
+    units = (
+        '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>'
+        "</UnitDefinitions>"
+    )
+    about = {"extra": units, "reals": {"y": ' unit="m"', "rate": ' unit="m/s"'}}
+    sound = animal(tmp_path / "a.fmu", names={"rate": "y_rate"}, **about)
+    assert levels("rates", sound)["rates"] == "ok"
+    about["reals"] = {"w": ' unit="m"', "rate": ' unit="m/s"'}
+    wrong = animal(tmp_path / "b.fmu", names={"rate": "w_rate"}, **about)
+    assert levels("rates", wrong)["rates"] == "fault"
+
+
+def test_the_command_writes_what_it_found_and_the_master_heeds_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fmu = animal(tmp_path / "a.fmu", "hidden")
+    assert main(["vet", fmu, "--out", str(tmp_path / "out")]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("a.fmu: to be used with care")
+    assert "warning  state: 50 steps from a saved state differ by" in shown
+    document = json.loads((tmp_path / "out" / "vetted.json").read_text())
+    assert {trial["name"] for trial in document["trials"]} >= {"runs", "flag", "noise", "state", "leaks", "threads"}
+    settings = tomllib.loads((tmp_path / "out" / "settings.toml").read_text())
+    assert settings["coupling"] == {"scheme": "extrapolate", "events": False}
+    assert "to be used with care" in (tmp_path / "out" / "vetted.html").read_text()
+    result = run({"a": fmu}, [])
+    assert result.scheme == "extrapolate"
+    assert "a was vetted: a repeated step differs by" in told(result, "scheme")
+
+
+def test_a_unit_that_kills_its_process_is_faulty_and_the_other_trials_go_on(tmp_path: Path) -> None:
+    found = vet(Path(animal(tmp_path / "a.fmu", "dies at once")))
+    assert found.word == "faulty"
+    assert "SIGABRT" in found.trials[0].message
+    assert len(found.trials) >= len(TRIALS)
+
+
+def test_what_is_no_fmu_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.fmu").write_text("no archive")
+    assert main(["vet", str(tmp_path / "a.fmu")]) == 2
+    assert "damaged or truncated archive" in capsys.readouterr().err
+
+
+def test_inputs_stay_inside_their_bounds(tmp_path: Path) -> None:
+    bench = Bench(Path(animal(tmp_path / "a.fmu", reals={"u": ' max="0" min="0"'})))
+    with bench.unit() as unit:
+        bench.excite(unit, 0.3)
+        assert list(unit.input_buffer) == [0.0]

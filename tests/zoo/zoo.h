@@ -1,0 +1,111 @@
+/* The units of the zoo: one model, and what each of them does otherwise. Both versions of FMI stand on it. */
+#ifndef ZOO_H
+#define ZOO_H
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <fenv.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Value references. Reals: inputs, outputs, parameters. Integers, Booleans, texts: input and output. */
+enum { U, Y, W, STAIRS, TOLERANCE, CALLS, GAIN, X0, END, NOISE, RATE, REALS };
+enum { INTEGER_IN = 20, INTEGER_OUT, BOOLEAN_IN, BOOLEAN_OUT, TEXT_IN, TEXT_OUT };
+enum { Z_OK, Z_WARNING, Z_DISCARD, Z_ERROR, Z_FATAL };
+
+typedef struct Zoo Zoo;
+typedef void Say(Zoo *zoo, int status, const char *text);
+struct Zoo {
+    double real[REALS], x, time, first_step, pending;
+    int integer_in, integer_out;
+    bool boolean_in, initialising, stepped;
+    char text_in[64], name[64];
+    /* what a saved state lacks */
+    int repeats;
+    double hidden;
+    char manner[64];
+    Say *say;
+    void *host;
+};
+
+static bool is(const Zoo *z, const char *manner) { return !strcmp(z->manner, manner); }
+
+static void zoo_begin(Zoo *z, const char *name, const char *manner)
+{
+    strncpy(z->name, name, sizeof z->name - 1);
+    strncpy(z->manner, manner, sizeof z->manner - 1);
+    z->real[GAIN] = 1.0;
+    z->real[END] = INFINITY;
+}
+
+/* y' = gain u; w = gain u without delay; stairs: whole seconds. */
+static void zoo_outputs(Zoo *z)
+{
+    if (is(z, "lazy") && z->stepped) return; /* outputs are made in a step alone */
+    z->real[Y] = z->x;
+    z->real[W] = z->real[GAIN] * z->real[U];
+    z->real[STAIRS] = floor(z->time + 1e-9);
+    z->real[RATE] = z->real[GAIN] * z->real[U];
+    z->integer_out = is(z, "counter") ? (int)floor(2.0 * z->time + 1e-9) : 2 * z->integer_in;
+}
+
+/* The initial state follows from the input where the manner is "from input". */
+static void zoo_initial(Zoo *z) { z->x = is(z, "from input") ? z->real[X0] + z->real[U] : z->real[X0]; }
+
+static int zoo_step(Zoo *z, double time, double step, bool committed, bool *over, double *reached)
+{
+    z->real[CALLS] += 1.0;
+    *over = false;
+    *reached = time;
+    if (z->first_step == 0.0) z->first_step = step;
+    if (is(z, "fixed") && fabs(step - z->first_step) > 1e-6 * z->first_step) {
+        z->say(z, Z_DISCARD, "this unit takes steps of one size only");
+        return Z_DISCARD;
+    }
+    if (is(z, "wall") && time + step > z->real[END]) return Z_DISCARD;
+    if (is(z, "talker")) {
+        z->say(z, Z_WARNING, "the first word, a warning");
+        z->say(z, Z_ERROR, "the valve is stuck");
+        z->say(z, Z_ERROR, "and so is everything else");
+    }
+    if (is(z, "talker") && time >= z->real[END]) return Z_ERROR;
+    static double shared;
+    if (is(z, "dies at once")) abort();
+    if (is(z, "wanders")) (void)!chdir("/");
+    if (is(z, "leaks")) memset(malloc(1000), 1, 1000);
+    if (is(z, "forks") && z->repeats == 0 && fork() == 0) pause();
+    if (is(z, "rounds")) fesetround(FE_UPWARD);
+    if (is(z, "opens")) (void)!open("/dev/null", O_RDONLY);
+    if (is(z, "shares")) z->x += shared, shared += 1.0;
+    if (is(z, "chance")) z->x += 1e-3 * (double)(clock() % 1000);
+    if (is(z, "dies") && time >= z->real[END]) {
+        z->say(z, Z_WARNING, "something is burning");
+        abort();
+    }
+    if (is(z, "ends") && time + step > z->real[END]) step = z->real[END] - time, *over = true;
+    if (is(z, "commits") && !committed) return Z_OK;
+    const double moved = step * z->real[GAIN] * z->real[U];
+    z->x += moved + (is(z, "hidden") ? step * z->hidden : 0.0) + (is(z, "noisy") ? z->real[NOISE] * (z->repeats % 2) : 0.0);
+    z->hidden += moved;
+    z->repeats++;
+    z->time = *reached = time + step;
+    z->stepped = false;
+    zoo_outputs(z);
+    z->stepped = true;
+    return *over ? Z_DISCARD : Z_OK;
+}
+
+/* What is not part of the state goes on as it was. */
+static void zoo_restore(Zoo *z, const Zoo *saved)
+{
+    const Zoo now = *z;
+    *z = *saved;
+    z->repeats = now.repeats;
+    z->hidden = now.hidden;
+    if (is(z, "flushes")) z->x = now.x; /* it takes the flag of the last step for leave to forget */
+}
+#endif

@@ -1,0 +1,40 @@
+"""What the master takes on trust of units of other makes, said before the run: descriptions that break the standard, units of
+measure that nobody defines, and names that are read as conventions because their unit of measure fits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from towage.checks.check import Check, Start, told
+from towage.result.records import Finding
+from towage.units.conventions import guessed
+
+if TYPE_CHECKING:
+    from towage.result.result import Result
+
+
+def before(start: Start) -> list[Finding]:
+    """A warning for each thing that was taken although something is wrong with it, a note for each convention."""
+    findings = [Finding("units", "warning", None, None, text) for text in start.scene.warnings]
+    for name, unit in start.scene.units.items():
+        if said := guessed(unit.description):
+            findings.append(Finding("units", "info", None, None, f"{name}: {'; '.join(said)}"))
+    return findings
+
+
+TOLD = ("end", "grid", "noise", "late outputs", "messages")
+"""Findings of the run that its summary repeats."""
+
+
+def summary(result: Result) -> list[tuple[str, str]]:
+    """What a reader of the verdict has to know of the units."""
+    return [line for name in TOLD for line in told(result, name)]
+
+
+CHECK = Check(
+    name="units",
+    description="What is taken on trust of units of other makes?",
+    before=before,
+    refuses=True,
+    summary=summary,
+)
