@@ -20,9 +20,9 @@ class SdofCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def reaction(self) -> str:
         """The output that acts back on the ship."""
-        return self.cut[0].split(" -> ")[0]
+        return self.cut[0].rpartition(" -> ")[0]
 
     @property
     def ship(self) -> str:
         """The unit that the cut connections end at."""
-        return self.cut[0].split(" -> ")[1].split(".")[0]
+        return self.cut[0].rpartition(" -> ")[2].split(".")[0]

@@ -32,8 +32,9 @@ def before(start: Start) -> list[Finding]:
 def reads(scene: Scene) -> tuple[str, ...]:
     """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body."""
     kinds = {*UNITS, "towed_body"}
-    ends = (text.split(" -> ") for text in scene.connections)
-    return tuple(source for source, target in ends if Path(scene.units[target.split(".")[0]].fmu).stem in kinds)
+    ends = (text.rpartition(" -> ") for text in scene.connections)  # no input of these units has an arrow in its name
+    units = ((source, scene.units.get(target.split(".")[0])) for source, _, target in ends)
+    return tuple(source for source, unit in units if unit and Path(unit.fmu).stem in kinds)
 
 
 def after(run: Finished) -> list[Finding]:

@@ -165,7 +165,8 @@ def _coupled_run(
         recorder.close()
     result.checks += meddled(system)
     track = recorder.track()
-    result.time, columns = recorder.columns(track)
+    reached = replace(settings, stop_time=run.time, ended=True) if run.ended_by else settings
+    result.time, columns = recorder.columns(track, reached.records_end)
     keep(result, resolved, columns)
     result.texts = recorder.text_columns(result.time)
     result.events = run.events
@@ -182,7 +183,7 @@ def _coupled_run(
         "start_cpu_s": system.start_cpu,
         "real_time_factor": run.time / run.wall if run.wall else math.nan,
     }
-    return columns, track, replace(settings, stop_time=run.time) if run.ended_by else settings
+    return columns, track, reached
 
 
 def _judge(run: Finished) -> None:

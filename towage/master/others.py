@@ -89,7 +89,7 @@ class OtherRuns:
         except RunError as error:
             return error
         track = recorder.track()
-        return OtherRun(recorder.columns(track), track)
+        return OtherRun(recorder.columns(track, settings.records_end), track)
 
 
 def weight(variant: ResolvedVariant) -> float:

@@ -93,12 +93,17 @@ class Recorder:
         """All rows."""
         return Track(*_columns(np.array(self.data), self.names), self._held)
 
-    def columns(self, track: Track | None = None) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
-        """(times, columns by name) at the record times as far as the run came, out of ``track``, which is `track()`."""
+    def columns(
+        self, track: Track | None = None, records_end: bool = False
+    ) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+        """(times, columns by name) at the record times as far as the run came, out of ``track``, which is `track()`;
+        ``records_end``: and where it ended."""
         track = track or self.track()
         if not self._interval or not len(track.time):
             return track.time, dict(track.columns)
-        time = comparison_times(float(track.time[-1]), self._interval)
+        time, end = comparison_times(float(track.time[-1]), self._interval), float(track.time[-1])
+        if records_end and end - time[-1] > SAME_TIME * (1.0 + end):
+            time = np.append(time, end)
         return time, {name: track.at(name, time) for name in track.columns}
 
     def text_columns(self, times: NDArray[np.float64]) -> dict[str, NDArray[Any]]:

@@ -36,7 +36,7 @@ REPORT_INTERVAL = 0.1
 @dataclass
 class Settings:
     """How to couple. Either ``step`` (s) or ``tolerance`` (relative error per step). ``max_step`` bounds the latter.
-    ``on_grid``: units that take steps of one size only."""
+    ``on_grid``: units that take steps of one size only. ``ended``: a unit ended the run at ``stop_time``."""
 
     scheme: Scheme
     step: float | None
@@ -46,6 +46,12 @@ class Settings:
     record_interval: float
     stop_time: float
     on_grid: tuple[str, ...] = ()
+    ended: bool = False
+
+    @property
+    def records_end(self) -> bool:
+        """Whether the end is recorded, wherever it lies: it is not where the scene has it."""
+        return bool(self.ended or self.on_grid)
 
 
 @dataclass

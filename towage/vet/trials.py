@@ -166,7 +166,9 @@ def environment(bench: Bench) -> list[Trial]:
         bench.run(unit, STEPS)
         during = _state()
     after = _state()
-    found = []
+    found = [
+        Trial("environment", "fault", f"changes {what}; towage sets it back after each call") for what in unit.instance.meddled
+    ]
     for key, what in (("directory", "changes the working directory"), ("rounding", "changes the floating-point mode"),
                       ("umask", "changes the umask"), ("children", "starts processes")):  # fmt: skip
         if during[key] != before[key] or after[key] != before[key]:
