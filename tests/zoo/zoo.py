@@ -104,7 +104,9 @@ def description(
 """
 
 
-def description3(manner: str = "sound", *, events: bool = False, rollback: bool = True, extra: str = "") -> str:
+def description3(
+    manner: str = "sound", *, events: bool = False, rollback: bool = True, serialises: bool = False, extra: str = ""
+) -> str:
     """A model description of FMI 3.0 of the same unit, with arrays, bytes and numbers of other widths."""
     types = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
     lines = []
@@ -128,7 +130,8 @@ def description3(manner: str = "sound", *, events: bool = False, rollback: bool 
     new_line = "\n"
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="zoo" instantiationToken="{manner}" generationTool="by hand">
-<CoSimulation modelIdentifier="zoo" canGetAndSetFMUState="{str(rollback).lower()}" hasEventMode="{str(events).lower()}"
+<CoSimulation modelIdentifier="zoo" canGetAndSetFMUState="{str(rollback).lower()}" canSerializeFMUState="{str(serialises).lower()}"
+  hasEventMode="{str(events).lower()}"
   canHandleVariableCommunicationStepSize="true"/>
 <ModelVariables>
 {new_line.join(lines)}

@@ -1,0 +1,131 @@
+"""Units of other makes where each has a process of its own, and what of their runs is kept on disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from towage.master.checkpoint import Keeper, can_freeze
+from towage.master.master import run_resolved
+from towage.master.outcome import recovered
+from towage.master.plan import started
+from towage.process.worker import run_isolated
+from towage.result.journal import read_at
+from towage.result.result import Result
+from towage.scene.flavour import resolve
+from towage.scene.resolve import ResolvedScene
+from towage.units.fmu import Unit
+
+from .zoo import animal, animal3, run, scene
+
+ONE = {"inputs": {"u": 1.0}}
+
+
+def counted(tmp_path: Path, build: Any = animal, second: str = "sound", **about: Any) -> ResolvedScene:
+    """A unit that counts and speaks before another: numbers, truth values and texts travel."""
+    units = {
+        "a": {"fmu": build(tmp_path / "a.fmu", "counter", **about), **ONE},
+        "b": {"fmu": build(tmp_path / "b.fmu", second, **about)},
+    }
+    return resolve(scene(units, ["a.y -> b.u", "a.n -> b.n_in", "a.s -> b.s_in"]))
+
+
+def same(one: Result, other: Result) -> None:
+    """Two results agree to the bit, whatever the units count or say."""
+    assert (one.status, one.message) == (other.status, other.message)
+    assert set(one.columns) == set(other.columns)
+    for name in one.columns:
+        assert np.array_equal(one[name], other[name]), name
+    assert {n: t.tolist() for n, t in one.texts.items()} == {n: t.tolist() for n, t in other.texts.items()}
+    assert one.messages == other.messages
+
+
+@pytest.mark.parametrize("events", [False, True])
+@pytest.mark.parametrize("build", [animal, animal3])
+def test_a_process_a_unit_changes_nothing(tmp_path: Path, build: Any, events: bool) -> None:
+    resolved = counted(tmp_path, build, **({"events": events} if build is animal3 else {}))
+    alone = run_isolated(resolved, a_process_a_unit=True)
+    same(alone, run_resolved(resolved))
+    assert len(set(alone["b.s"].tolist())) > 1
+
+
+@pytest.mark.parametrize("manner", ["ends", "talker"])
+def test_what_a_unit_says_and_where_it_ends_come_out_of_its_process(tmp_path: Path, manner: str) -> None:
+    units = {"a": {"fmu": animal(tmp_path / "a.fmu", manner), "parameters": {"end": 0.55}, **ONE}}
+    resolved = resolve(scene(units, []))
+    alone = run_isolated(resolved, a_process_a_unit=True)
+    same(alone, run_resolved(resolved))
+    assert alone.status == ("done" if manner == "ends" else "failed")
+    assert bool(alone.messages) == (manner == "talker")
+
+
+def test_binaries_leave_the_process_of_a_unit(tmp_path: Path) -> None:
+    units = {"a": {"fmu": animal3(tmp_path / "a.fmu"), "inputs": {"bytes_in": "c0ffee"}}, "b": animal3(tmp_path / "b.fmu")}
+    result = run_isolated(resolve(scene(units, ["a.bytes -> b.bytes_in"])), a_process_a_unit=True)
+    assert result["b.bytes"][-1] == "c0ffee"
+
+
+def test_a_journal_has_texts_and_messages(tmp_path: Path) -> None:
+    resolved = counted(tmp_path, second="talker")
+    result = run_resolved(resolved, journal=tmp_path / "journal")
+    kept = recovered(read_at(tmp_path / "journal"), "killed")
+    assert kept.texts["b.s"].tolist() == result["b.s"].tolist()[: len(kept.time)]
+    assert kept.messages[: len(result.messages)] == result.messages
+    assert result.messages
+
+
+def test_texts_and_messages_are_read_back(tmp_path: Path) -> None:
+    result = run_resolved(counted(tmp_path, second="talker"))
+    result.save_npz(tmp_path / "r.npz")
+    again = Result.load_npz(tmp_path / "r.npz")
+    same(again, result)
+    result.save_netcdf(tmp_path / "r.nc")
+    netcdf4 = pytest.importorskip("netCDF4")
+    with netcdf4.Dataset(tmp_path / "r.nc") as data:
+        assert data["b.s"][:].tolist() == result["b.s"].tolist()
+
+
+def test_texts_follow_the_record_times(tmp_path: Path) -> None:
+    units = {"a": {"fmu": animal(tmp_path / "a.fmu", "counter"), **ONE}}
+    every, some = run(units, []), run(units, [], record={"interval": 0.5})
+    assert some.time.tolist() == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
+    assert some["a.s"].tolist() == every["a.s"].tolist()[::5]
+    assert some["a.n"].tolist() == every["a.n"].tolist()[::5]
+
+
+def test_a_run_begun_again_has_a_fresh_journal(tmp_path: Path) -> None:
+    units = {"a": {"fmu": animal(tmp_path / "a.fmu", "hidden"), **ONE}}
+    resolved = resolve(scene(units, []))
+    result = run_resolved(resolved, journal=tmp_path / "journal")
+    kept = read_at(tmp_path / "journal")
+    assert kept.rows[0, 0] == 0.0
+    assert np.all(np.diff(kept.rows[:, 0]) >= 0.0)
+    assert kept.about["scheme"] == result.scheme
+    assert not Keeper(tmp_path / "journal").path.exists()
+
+
+@pytest.mark.parametrize(("events", "can"), [(False, True), (True, False)])
+def test_a_unit_with_event_mode_leaves_no_checkpoint(tmp_path: Path, events: bool, can: bool) -> None:
+    """Nor does one that sends texts, or that cannot serialise."""
+    fmu = animal3(tmp_path / "a.fmu", events=events, serialises=True)
+    resolved = resolve(scene({"a": {"fmu": fmu, **ONE}}, [], record={"variables": ["a.y"]}))
+    system = started(resolved, Unit)
+    try:
+        assert can_freeze(system) == can
+    finally:
+        system.close()
+    system = started(counted(tmp_path), Unit)
+    try:
+        assert not can_freeze(system)
+    finally:
+        system.close()
+
+
+def test_a_unit_that_breaks_off_in_its_process_says_so(tmp_path: Path) -> None:
+    units = {"a": {"fmu": animal(tmp_path / "a.fmu", "dies"), "parameters": {"end": 0.55}, **ONE}}
+    result = run_isolated(resolve(scene(units, [])), a_process_a_unit=True)
+    assert result.status == "failed"
+    assert "ended its process" in result.message
