@@ -130,8 +130,8 @@ def description3(
     new_line = "\n"
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="zoo" instantiationToken="{manner}" generationTool="by hand">
-<CoSimulation modelIdentifier="zoo" canGetAndSetFMUState="{str(rollback).lower()}" canSerializeFMUState="{str(serialises).lower()}"
-  hasEventMode="{str(events).lower()}"
+<CoSimulation modelIdentifier="zoo" canGetAndSetFMUState="{str(rollback).lower()}"
+  canSerializeFMUState="{str(serialises).lower()}" hasEventMode="{str(events).lower()}"
   canHandleVariableCommunicationStepSize="true"/>
 <ModelVariables>
 {new_line.join(lines)}
