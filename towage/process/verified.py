@@ -45,6 +45,8 @@ def compared(result: Result, resolved: ResolvedScene) -> list[str]:
     for prefix, old, new in (("", result.columns, again.columns), ("one way ", result.one_way, again.one_way)):
         pairs = {name: (values, new.get(name)) for name, values in old.items()}
         differ += [f"{prefix}{name}: {said}" for name, (a, b) in pairs.items() if (said := _difference(a, b))]
+    changed = [name for name, texts in result.texts.items() if not np.array_equal(texts, again.texts.get(name, ()))]
+    differ += [f"{name}: other texts" for name in changed]
     if said := _difference(result.time, again.time):
         differ.append(f"time: {said}")
     if differences(_word(result), _word(again)):
