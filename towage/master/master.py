@@ -216,7 +216,8 @@ def _coupled_run(
         begin_at = functools.partial(thaw, data=found, kept=kept)
     elif journal and keeper:
         keeper.path.unlink(missing_ok=True)  # one that is left is of the journal that ends here
-        recorder.journal = Journal(journal, recorder.names, result.metadata())
+        about = result.metadata()
+        recorder.journal = Journal(journal, recorder.names, about, recorder.interval, recorder.held)
     try:
         report = stages.progress(MAIN, settings.stop_time)
         run = simulate(system, settings, recorder, report, begin_at, keeper.look if keeper else None)

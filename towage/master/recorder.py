@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.checks.track import SAME_TIME, Track, comparison_times
-from towage.result.journal import Journal
+from towage.result.journal import Journal, Kept
 from towage.result.result import Event
 
 
@@ -24,7 +24,7 @@ class Recorder:
     ) -> None:
         self.names = list(names)
         self.data = array("d")
-        self._interval, self._held, self._rows = interval, frozenset(held), 0
+        self.interval, self.held, self._rows = interval, frozenset(held), 0
         self.journal = journal
 
     def row(self, time: float, values: Sequence[Sequence[float]]) -> None:
@@ -34,15 +34,15 @@ class Recorder:
         for part in values:
             self.data.extend(part)
         if self.journal:
-            recorded = not self._interval or time >= self._rows * self._interval - SAME_TIME * (1.0 + time)
+            recorded = not self.interval or time >= self._rows * self.interval - SAME_TIME * (1.0 + time)
             if recorded:
                 self._count(time)
             self.journal.row(self.data[begin:].tobytes(), recorded)
 
     def _count(self, time: float) -> None:
         """The next record time is the first after ``time``, s."""
-        if self._interval:
-            self._rows = int(time / self._interval + SAME_TIME) + 1
+        if self.interval:
+            self._rows = int(time / self.interval + SAME_TIME) + 1
 
     def go_on(self, rows: NDArray[np.float64]) -> None:
         """Begin with the rows of an earlier part of the run, shape (n, 1 + names)."""
@@ -62,15 +62,24 @@ class Recorder:
 
     def track(self) -> Track:
         """All rows."""
-        return Track(*_columns(np.array(self.data), self.names), self._held)
+        return Track(*_columns(np.array(self.data), self.names), self.held)
 
     def columns(self, track: Track | None = None) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
         """(times, columns by name) at the record times as far as the run came, out of ``track``, which is `track()`."""
-        track = track or self.track()
-        if not self._interval or not len(track.time):
-            return track.time, dict(track.columns)
-        time = comparison_times(float(track.time[-1]), self._interval)
-        return time, {name: track.at(name, time) for name in track.columns}
+        return recorded(track or self.track(), self.interval)
+
+
+def recorded(track: Track, interval: float | None) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    """(times, columns by name) of a run at its record times, ``interval`` s apart, as far as it came."""
+    if not interval or not len(track.time):
+        return track.time, dict(track.columns)
+    time = comparison_times(float(track.time[-1]), interval)
+    return time, {name: track.at(name, time) for name in track.columns}
+
+
+def record_of(kept: Kept) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    """(times, columns by name) of the record that a journal holds."""
+    return recorded(Track(*_columns(kept.rows.ravel(), kept.names), kept.held), kept.interval)
 
 
 def _columns(data: NDArray[np.float64], names: list[str]) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:

@@ -13,7 +13,7 @@ import json
 import os
 import zlib
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +26,7 @@ from towage.errors import FileError
 from towage.files import sealed, unsealed
 from towage.result.records import Event
 
-FORMAT = 1
+FORMAT = 2
 LONGEST_HEAD = 1 << 24
 """Bytes of the first line that are looked at."""
 Array = NDArray[np.float64]
@@ -34,14 +34,19 @@ Array = NDArray[np.float64]
 
 class Journal:
     """A journal that is written, at ``path``. ``names``: unit.variable, in the order of the values of a row; ``about``:
-    `towage.result.result.Result.metadata`, None for a
-    journal that is gone on with. A disk that becomes full costs the journal, not the run."""
+    `towage.result.result.Result.metadata`, None for a journal that is gone on with; ``interval`` between record times, s, and
+    ``held``, the names that change at events only, tell how the record is read off the rows. A disk that becomes full costs the
+    journal, not the run."""
 
-    def __init__(self, path: Path, names: Sequence[str], about: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, path: Path, names: Sequence[str], about: Mapping[str, Any] | None = None, interval: float | None = None,
+        held: Iterable[str] = (),
+    ) -> None:  # fmt: skip
         self._waiting = bytearray()
         self._file: IO[bytes] | None = open(path, "ab" if about is None else "wb", buffering=0)  # noqa: SIM115
         if about is not None:
-            self._put(sealed({"journal": FORMAT, "names": list(names), "about": about}))
+            head = {"journal": FORMAT, "names": list(names), "interval": interval, "held": sorted(held), "about": about}
+            self._put(sealed(head))
 
     def row(self, row: bytes, recorded: bool) -> None:
         """Keep a row; one that is not recorded waits for the next that is."""
@@ -91,20 +96,16 @@ class Journal:
 
 @dataclass(frozen=True)
 class Kept:
-    """What a journal holds. ``rows``: shape (n, 1 + names), time first; ``recorded``: of every row, whether the scene
-    records it; ``lost``: bytes that are no whole frames."""
+    """What a journal holds: its head, as `Journal`, and ``rows``, shape (n, 1 + names), time first; ``lost``: bytes that are
+    no whole frames."""
 
     names: list[str]
     about: dict[str, Any]
+    interval: float | None
+    held: frozenset[str]
     rows: Array
-    recorded: NDArray[np.bool_]
     events: list[Event]
     lost: int
-
-    def columns(self) -> tuple[Array, dict[str, Array]]:
-        """(times, columns by name) of the rows that the scene records."""
-        rows = self.rows[self.recorded]
-        return rows[:, 0].copy(), {name: rows[:, k + 1].copy() for k, name in enumerate(self.names)}
 
 
 def read(file: IO[bytes]) -> Kept | None:
@@ -112,13 +113,15 @@ def read(file: IO[bytes]) -> Kept | None:
     try:
         file.seek(0)
         head = unsealed(file.readline(LONGEST_HEAD))
-        names, about = head["names"], head["about"]
+        names, about, interval, held = head["names"], head["about"], head["interval"], frozenset(head["held"])
         if head["journal"] != FORMAT or not isinstance(about, dict) or not all(isinstance(n, str) for n in names):
+            return None
+        if interval is not None and not float(interval) > 0.0:
             return None
     except (OSError, ValueError, KeyError, TypeError):
         return None
     begin, size = file.tell(), os.fstat(file.fileno()).st_size
-    rows, recorded, events = array("d"), array("b"), list[Event]()
+    rows, events = array("d"), list[Event]()
     place = begin
     while frame := _frame(file, 8 * (1 + len(names))):
         tag, content = frame
@@ -129,10 +132,9 @@ def read(file: IO[bytes]) -> Kept | None:
                 break
         else:
             rows.frombytes(content)
-            recorded.append(tag == b"R")
         place = file.tell()
     shaped = np.array(rows).reshape(-1, 1 + len(names))
-    return Kept(names, about, shaped, np.array(recorded, dtype=bool), events, size - place)
+    return Kept(names, about, interval, held, shaped, events, size - place)
 
 
 def _frame(file: IO[bytes], width: int) -> tuple[bytes, bytes] | None:
