@@ -27,6 +27,7 @@ from towage.verify import cable as verify_cable
 from towage.verify import cradle as verify_cradle
 from towage.verify import sea as verify_sea
 from towage.verify import slender as verify_slender
+from towage.verify import wire as verify_wire
 
 DEFAULT_RTOL = 1e-8
 OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json")
@@ -34,7 +35,7 @@ OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json")
 
 SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {
     **verify_cradle.SOLVERS, **verify_cable.SOLVERS, **verify_sea.SOLVERS,
-    **verify_slender.SOLVERS,
+    **verify_slender.SOLVERS, **verify_wire.SOLVERS,
 }  # fmt: skip
 """The function that computes a kind of case: (inputs, expected) -> values."""
 
