@@ -1,0 +1,63 @@
+"""Traces what a wire needs to C: pull and load of a point of a chain with their derivatives, and the tableaus of its steps.
+
+    point_loads(g, g', v, a, material) -> n, q
+    point_derivatives(same) -> dn/dg, dn/dg', dq/dg, dq/dv, dq/da         matrices column by column
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import casadi as ca
+
+from ...models.cable.wire.point import Material, load, pull
+from ...models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
+from .traced import OPS, dense, parts
+
+MOST_STAGES = 6
+
+
+def point_source(dimensions: int) -> str:
+    """C text of the two functions for a wire in the plane (2) or in space (3)."""
+    g, rate, v, a = (ca.SX.sym(name, dimensions) for name in ("g", "rate", "v", "a"))
+    k = ca.SX.sym("k", len(Material._fields))
+    material = Material(*parts(k))
+    n = dense(pull(tuple(parts(g)), tuple(parts(rate)), material, OPS)[0])
+    q = dense(load(tuple(parts(g)), tuple(parts(v)), tuple(parts(a)), material, OPS))
+    columns = [ca.densify(ca.jacobian(y, x)) for y, x in ((n, g), (n, rate), (q, g), (q, v), (q, a))]
+    generator = ca.CodeGenerator("point.c", {"casadi_int": "long long"})
+    generator.add(ca.Function("point_loads", [g, rate, v, a, k], [n, q]))
+    generator.add(ca.Function("point_derivatives", [g, rate, v, a, k], columns))
+    with tempfile.TemporaryDirectory() as folder:
+        generator.generate(folder + "/")
+        return (Path(folder) / "point.c").read_text("utf-8")
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return ", ".join(repr(float(x)) for x in values)
+
+
+def _tableau(table: Tableau) -> str:
+    """Arrays of one tableau."""
+    rows = (_numbers((*row, *([0.0] * (MOST_STAGES - len(row))))) for row in table.rows)
+    name = f"ORDER_{table.order}"
+    return (
+        f"static const double {name}_PLACES[] = {{{_numbers(table.places)}}};\n"
+        f"static const double {name}_ROWS[] = {{{', '.join(rows)}}};\n"
+        f"static const double {name}_ERROR[] = {{{_numbers(table.error)}}};\n"
+    )
+
+
+def constants_source() -> str:
+    """``chain_constants.h``: `CHAIN_TABLEAUS`, of orders 2, 3 and 4."""
+    tables = (SECOND, THIRD, FOURTH)
+    entries = ",\n".join(
+        f"    {{{len(t.rows)}, {t.order}, {t.diagonal!r}, ORDER_{t.order}_PLACES, ORDER_{t.order}_ROWS, ORDER_{t.order}_ERROR}}"
+        for t in tables
+    )
+    return (
+        "/* Made from models/cable/wire/tableaus.py. */\n#ifndef TOWAGE_CHAIN_CONSTANTS_H\n#define TOWAGE_CHAIN_CONSTANTS_H\n\n"
+        '#include "chain_step.h"\n\n' + "".join(map(_tableau, tables))
+        + f"static const ChainTableau CHAIN_TABLEAUS[] = {{\n{entries}\n}};\n\n#endif\n"
+    )  # fmt: skip
