@@ -112,3 +112,148 @@ def bare(program: Path, wire: Wire, speed: float, mesh: tuple[int, int], steppin
         np.array([[float(x) for x in line.split()] for line in lines]), 1e3 * min(costs) / times[-1], setup,
         tuple(int(x) for x in last.split()[1:]),
     )  # fmt: skip
+
+
+def heave_force(rows: Array) -> Array:
+    """Complex amplitude a metre of heave of the pull on the towpoint, forward and up, N/m."""
+    keep = rows[:, 0] > HEAVE_START + 1e-9
+    return np.array([harmonic(rows[keep, 0], rows[keep, c]) for c in (3, 4)]) / 0.2
+
+
+def turn_values(rows: Array) -> Array:
+    """(Body relative to the top, pull on it) at `TURN_TIMES`, (12, 6)."""
+    return rows[[bool(np.abs(np.array(TURN_TIMES) - t).min() < 1e-6) for t in rows[:, 0]], 1:]
+
+
+def turn_error(values: Array, fine: Array) -> tuple[float, float]:
+    """(Error of the body's place, of the pull) over the largest component of each."""
+    error = np.abs(values - fine)
+    return float(error[:, :3].max() / np.abs(fine[:, :3]).max()), float(error[:, 3:].max() / np.abs(fine[:, 3:]).max())
+
+
+TURN_DECK = """--------------------- MoorDyn Input File ------------------------------------
+---------------------- LINE TYPES -----------------------------------
+TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+wire 0.012 0.6 8e6 0 0 1.5 1.0 0.01 0
+---------------------- POINTS -----------------------------------
+ID Attachment X Y Z Mass Volume CdA Ca
+(#) (word/ID) (m) (m) (m) (kg) (m^3) (m^2) (-)
+1 Free {x} 0 {z} 800 {volume} 0.3 {added}
+2 Coupled 0 0 -400 0 0 0 0
+---------------------- LINES -----------------------------------
+ID LineType AttachA AttachB UnstrLen NumSegs Outputs
+(#) (name) (ID) (ID) (m) (-) (-)
+1 wire 1 2 150 {segments} -
+---------------------- OPTIONS -----------------------------------
+0 writeLog
+{inner} dtM
+rk4 tScheme
+9.80665 g
+1025 rho
+3000 WtrDpth
+0 TmaxIC
+------------------------- need this line --------------------------------------
+"""
+
+
+def turn_place(t: float) -> list[float]:
+    """Of MoorDyn's towpoint: straight before t = 0, then the turn."""
+    angle = min(max(TURN_SPEED * t / TURN_RADIUS, 0.0), math.pi)
+    rest = TURN_SPEED * (min(t, 0.0) + max(0.0, t - math.pi * TURN_RADIUS / TURN_SPEED))
+    return [
+        TURN_RADIUS * math.sin(angle) + rest * math.cos(angle),
+        TURN_RADIUS * (1.0 - math.cos(angle)) + rest * math.sin(angle), -400.0,
+    ]  # fmt: skip
+
+
+def moordyn_turn(segments: int, inner: float, step: float, settle: float = 200.0) -> tuple[Array, float]:
+    """(Values as `turn_values`, ms a simulated second); towed straight for ``settle`` seconds first, not timed."""
+    import moordyn
+
+    volume = (800.0 - 5000.0 / moordyn_tow.GRAVITY) / 1025.0
+    text = TURN_DECK.format(x=turn_place(-settle)[0] - 111.076, z=-494.382, volume=volume, added=300.0 / (1025.0 * volume), segments=segments, inner=inner)
+    rows = []
+    with tempfile.TemporaryDirectory() as folder, moordyn_tow.quiet():
+        (Path(folder) / "turn.txt").write_text(text)
+        system = moordyn.Create(str(Path(folder) / "turn.txt"))
+        moordyn.Init(system, turn_place(-settle), [TURN_SPEED, 0.0, 0.0])
+        body, count, first = moordyn.GetPoint(system, 1), round((TURN_TIMES[-1] + settle) / step), round(settle / step)
+        begin = time.process_time()
+        for k in range(count):
+            if k == first:
+                begin = time.process_time()
+            t = k * step - settle
+            here, there = turn_place(t), turn_place(t + step)
+            force = moordyn.Step(system, here, [(b - a) / step for a, b in zip(here, there)], k * step, step)
+            if np.abs(np.array(TURN_TIMES) - t - step).min() < 0.5 * step:
+                place = moordyn.GetPointPos(body)
+                rows.append([*(np.array(place) - there), *force])
+        cost = 1e3 * (time.process_time() - begin) / TURN_TIMES[-1]
+        moordyn.Close(system)
+    return np.array(rows), cost
+
+
+def heave_table(program: Path, quick: bool) -> list[str]:
+    """Rows of the case in the plane."""
+    times = [HEAVE_START + (HEAVE_STOP - HEAVE_START) * k / HEAVE_SAMPLES for k in range(HEAVE_SAMPLES + 1)]
+    path = [0.0, SPEED, 0.2, FREQUENCY, HEAVE_RAMP]
+    fine = heave_force(bare(program, heave_wire(), SPEED, (12, 6), (1e-7, 0.05, 4), path, times).rows)
+    rows, size = [], np.abs(fine).max()
+    others = [] if quick else [(10, 4e-3), (20, 2e-3)]
+    for n, inner in others:
+        run = moordyn_tow.run(0.2, n, inner, 0.01, 120.0, 5.0)
+        force = np.array([harmonic(run.time, run.force[:, c]) for c in (0, 1)]) / 0.2
+        error = min(float(np.abs(s * force - fine).max() / size) for s in (1.0, -1.0))
+        rows.append(f"| heave | MoorDyn, N = {n}, dt {inner:g} | {error:.2g} | | {1e3 * run.cost:.3g} | |")
+    for mesh, stepping in (
+        ((1, 4), (3e-3, 0.5, 3)), ((1, 6), (3e-3, 0.5, 3)), ((2, 4), (3e-3, 0.5, 3)), ((2, 4), (1e-3, 0.5, 3)),
+        ((2, 5), (1e-3, 0.5, 3)), ((3, 4), (1e-3, 0.5, 3)), ((2, 6), (3e-4, 0.5, 4)),
+    ):  # fmt: skip
+        # the record of one period would hold the steps: timed without it
+        run_free = bare(program, heave_wire(), SPEED, mesh, stepping, path, [HEAVE_STOP])
+        found = bare(program, heave_wire(), SPEED, mesh, stepping, path, times)
+        error = float(np.abs(heave_force(found.rows) - fine).max() / size)
+        rows.append(
+            f"| heave | {mesh[0]} of degree {mesh[1]}, tolerance {stepping[0]:g} m/s, order {stepping[2]} | {error:.2g} | "
+            f"| {run_free.cost:.3g} | {found.setup:.0f} |"
+        )
+    return rows
+
+
+def turn_table(program: Path, quick: bool) -> list[str]:
+    """Rows of the case in space."""
+    corner = math.pi * TURN_RADIUS / TURN_SPEED
+    times, path = sorted([*TURN_TIMES, corner]), [1.0, TURN_SPEED, TURN_RADIUS, math.pi, 0.0]
+    fine = turn_values(bare(program, turn_wire(), TURN_SPEED, (6, 6), (1e-7, 0.5, 4), path, times).rows)
+    rows = []
+    for n, inner in [] if quick else [(10, 4e-3), (20, 2e-3), (40, 1e-3)]:
+        values, cost = moordyn_turn(n, inner, 0.02)
+        error = turn_error(values, fine)
+        rows.append(f"| turn | MoorDyn, N = {n}, dt {inner:g} | {error[1]:.2g} | {error[0]:.2g} | {cost:.3g} | |")
+    for mesh, stepping in (
+        ((1, 4), (1e-2, 3.0, 3)), ((1, 6), (1e-2, 3.0, 3)), ((2, 4), (1e-3, 2.0, 3)), ((1, 6), (1e-5, 2.0, 3)),
+        ((2, 6), (1e-5, 2.0, 4)),
+    ):  # fmt: skip
+        found = bare(program, turn_wire(), TURN_SPEED, mesh, stepping, path, times)
+        error = turn_error(turn_values(found.rows), fine)
+        rows.append(
+            f"| turn | {mesh[0]} of degree {mesh[1]}, tolerance {stepping[0]:g} m/s, order {stepping[2]} | {error[1]:.2g} "
+            f"| {error[0]:.2g} | {found.cost:.3g} | {found.setup:.0f} |"
+        )
+    return rows
+
+
+def main() -> None:
+    """Print the table as Markdown."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--no-moordyn", action="store_true")
+    quick = parser.parse_args().no_moordyn
+    with tempfile.TemporaryDirectory() as folder:
+        rows = heave_table(build(Path(folder), 2), quick) + turn_table(build(Path(folder), 3), quick)
+    print("| case | model | error of the pull | of the body | ms a simulated s | set-up in Python, ms |\n|---|---|---|---|---|---|")
+    print("\n".join(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -124,7 +124,7 @@ class Path:
         return max(float(top["speed"]), float(top.get("final_speed", 0.0)), swing, abs(plan["rate"]))
 
 
-def _begun(inputs: Values, elements: int = 8) -> tuple[Chain, State, Path, Stepper]:
+def _begun(inputs: Values, elements: int = 12) -> tuple[Chain, State, Path, Stepper]:
     """(Chain, steady state, path, stepper) of a case."""
     chain, frame, r = steady_chain(inputs, elements)
     path = Path(inputs, chain.dimensions)

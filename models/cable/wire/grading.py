@@ -1,7 +1,9 @@
 """Elements where the steady shape needs them: short in the layer behind a body, long where the wire is straight.
 
-    error of an element = (l/2) max |g - I g|,   g = dr/ds of the steady shape, I its interpolation at the element's points
+    error of an element = (l/2) max |g - I g| + BEND l (l/L)^p,   g = dr/ds of the steady shape, I its interpolation
 
+The second term stands for the bends of a motion, which come where the steady shape is straight too: without it a straight
+array is one element, and whips as one.
 The element with the largest error is halved until there are as many as were asked for, or until the errors together are below
 the tolerance. What remains is the error in position, over the length of the wire, that the mesh makes at rest.
 """
@@ -20,6 +22,8 @@ from .parts import Wire
 from .rest import Shape
 
 MOST_ELEMENTS = 400
+BEND = 1e-2
+"""Of the second term."""
 SAMPLES = 9
 """Places in an element at which the interpolation is judged."""
 
@@ -46,7 +50,8 @@ def graded_mesh(wire: Wire, shape: Shape, degree: int, elements: int = 0, tolera
             g: Array = n / size + n / stiffness[section]
             return g
 
-        return 0.5 * length * float(np.abs(slope(inner) - table @ slope(points)).max())
+        still = 0.5 * length * float(np.abs(slope(inner) - table @ slope(points)).max())
+        return still + BEND * length * (length / wire.length) ** degree
 
     heap: list[tuple[float, float, float, int]] = []
     low = 0.0
