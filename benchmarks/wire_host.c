@@ -3,12 +3,12 @@
  *     wire_host < CASE
  *
  * A case is numbers in this order: dimensions degree elements held damped; half lengths; material; weights; slopes;
- * number of fixtures, then node and numbers of each; levels, z and flow of each; tolerance, largest step, order; kind of
- * motion (0: heave, 1: turn) and its four numbers (speed, amplitude, omega, ramp; or speed, radius, angle, unused); positions
- * and velocities of the nodes; number of times, the times. Prints a line a time: t, place of the body, pull on the top; and
- * last the processor time, s, the number of steps, evaluations and factorisations. */
-#include "chain_constants.h"
+ * number of fixtures, then node and numbers of each; levels, z and flow of each; tolerance, largest step, order; kind
+ * of motion (0: heave, 1: turn) and its four numbers (speed, amplitude, omega, ramp; or speed, radius, angle, unused);
+ * positions and velocities of the nodes; number of times, the times. Prints a line a time: t, place of the body, pull
+ * on the top; and last the processor time, s, the number of steps, evaluations and factorisations. */
 #include "chain_step.h"
+#include "chain_tableaus.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-"""Traces what a wire needs to C: pull and load of a point of a chain with their derivatives, and the tableaus of its steps.
+"""Traces what a wire needs to C: pull and load of a point with their derivatives; tableaus and limits of its steps.
 
     point_loads(g, g', v, a, material) -> n, q
     point_derivatives(same) -> dn/dg, dn/dg', dq/dg, dq/dv, dq/da         matrices column by column
@@ -11,7 +11,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from ...models.cable.wire.point import Material, load, pull
+from ...models.cable.wire import stepper
+from ...models.cable.wire.point import SMALL_SPEED2, Material, load, pull
 from ...models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
 from .traced import OPS, dense, parts
 
@@ -49,15 +50,34 @@ def _tableau(table: Tableau) -> str:
     )
 
 
-def constants_source() -> str:
-    """``chain_constants.h``: `CHAIN_TABLEAUS`, of orders 2, 3 and 4."""
+def tableaus_source() -> str:
+    """``chain_tableaus.h``: `CHAIN_TABLEAUS`, of orders 2, 3 and 4."""
     tables = (SECOND, THIRD, FOURTH)
     entries = ",\n".join(
         f"    {{{len(t.rows)}, {t.order}, {t.diagonal!r}, ORDER_{t.order}_PLACES, ORDER_{t.order}_ROWS, ORDER_{t.order}_ERROR}}"
         for t in tables
     )
-    return (
-        "/* Made from models/cable/wire/tableaus.py. */\n#ifndef TOWAGE_CHAIN_CONSTANTS_H\n#define TOWAGE_CHAIN_CONSTANTS_H\n\n"
-        '#include "chain_step.h"\n\n' + "".join(map(_tableau, tables))
-        + f"static const ChainTableau CHAIN_TABLEAUS[] = {{\n{entries}\n}};\n\n#endif\n"
+    text = '#include "chain_step.h"\n\n' + "".join(map(_tableau, tables))
+    return _header("tableaus", text + f"static const ChainTableau CHAIN_TABLEAUS[] = {{\n{entries}\n}};\n")
+
+
+def limits_source() -> str:
+    """``chain_limits.h``: the limits of ``stepper.py`` and what ``point.py`` adds under its roots."""
+    names = (
+        "SLOW", "NEWTON", "SAFETY", "LEAST", "MOST", "LESS", "NO_ERROR", "ROUNDING", "END", "WORTH", "RUNAWAY", "DIVERGING",
+        "MAX_ITERATIONS", "MAX_HALVINGS",
     )  # fmt: skip
+    numbers = {name: getattr(stepper, name) for name in names} | {"SMALL_SPEED2": SMALL_SPEED2}
+    return _header("limits", "".join(f"#define CHAIN_{name} {value!r}\n" for name, value in numbers.items()))
+
+
+def _header(name: str, text: str) -> str:
+    guard = f"TOWAGE_CHAIN_{name.upper()}_H"
+    return f"/* Made from models/cable/wire. */\n#ifndef {guard}\n#define {guard}\n\n{text}\n#endif\n"
+
+
+def chain_sources(dimensions: int) -> dict[str, str]:
+    """What the chain layer of the runtime needs beside its own files, by name."""
+    return {
+        "point.c": point_source(dimensions), "chain_tableaus.h": tableaus_source(), "chain_limits.h": limits_source(),
+    }  # fmt: skip

@@ -151,12 +151,13 @@ def wire_circle(inputs: Values, expected: Values) -> dict[str, Any]:
     needed = chain.needed(r, u, a, drive)
     # the top moves along x, its centre is at port
     x, y = float(r[0, 0]), float(r[0, 1]) - radius
-    along, port, up = (float(c) for c in -needed[-1])
+    forward, port, up = (float(c) for c in -needed[-1])
+    tension_body = float(np.linalg.norm(chain.pulls(r, u, a, drive)[0, 0]))
     lag = math.atan2(x, -y)
     return {
         "body_radius": math.hypot(x, y), "body_lag_angle": -lag if lag <= 0.0 else 2.0 * math.pi - lag,
         "body_z": float(r[0, 2]), "tension_top": float(np.linalg.norm(needed[-1])),
-        "pull_on_top_radial_tangential_up": [-port, along, up], "tension_body": float(np.linalg.norm(chain.pulls(r, u, a, drive)[0, 0])),
+        "pull_on_top_radial_tangential_up": [-port, forward, up], "tension_body": tension_body,
     }  # fmt: skip
 
 

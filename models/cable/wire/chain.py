@@ -27,6 +27,7 @@ from ...numeric.arrays import AnyArray, Array
 from ...numeric.ops import Ops, arrays
 from ..case import CableError
 from .elements import Rule, rule
+from .mesh import Mesh
 from .parts import Flow, Wire
 from .point import Fixture, Material, Vector, fixture_load, load, pull
 
@@ -34,48 +35,31 @@ STEP = 1e-150
 """Complex step of derivatives, exact to rounding."""
 
 
-@dataclass(frozen=True)
-class Mesh:
-    """``lengths`` of the elements, m, from the lower end, their ``degree``, and the ``section`` that each is of."""
-
-    lengths: Array
-    section: AnyArray
-    degree: int
-
-    @property
-    def nodes(self) -> int:
-        """Number of nodes."""
-        return len(self.lengths) * self.degree + 1
-
-    @property
-    def places(self) -> Array:
-        """s of the nodes, m, (n,)."""
-        ends = np.concatenate([[0.0], np.cumsum(self.lengths)])
-        inner = 0.5 * (rule(self.degree).points[:-1] + 1.0)
-        return np.append((ends[:-1, None] + self.lengths[:, None] * inner).ravel(), ends[-1])
-
-
-def uniform_mesh(wire: Wire, elements: int, degree: int) -> Mesh:
-    """``elements`` shared among the sections by length, at least one each."""
-    lengths = np.array([part.length for part in wire.sections])
-    counts = np.maximum(1, np.round(elements * lengths / lengths.sum())).astype(int)
-    return Mesh(np.repeat(lengths / counts, counts), np.repeat(np.arange(len(counts)), counts), degree)
+Paid = tuple[float, float, float]
+"""Wire paid out, m, its rate, m/s, and m/s2."""
+NOTHING_PAID: Paid = (0.0, 0.0, 0.0)
 
 
 class Drive(NamedTuple):
     """What is done to the wire: motion of the top (and of a held lower end: ``lower`` = position, velocity, acceleration),
-    wire paid out, m, its rate, m/s, and m/s2, and force on the body, N. Vectors (d,)."""
+    wire paid out, and force on the body, N. Vectors (d,)."""
 
     position: Array
     velocity: Array
     acceleration: Array
-    paid: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    paid: Paid = NOTHING_PAID
     force: Array | None = None
     lower: tuple[Array, Array, Array] | None = None
 
 
 def _components(vectors: AnyArray) -> Vector:
     return tuple(np.moveaxis(vectors, -1, 0))
+
+
+def _legendre(k: int, points: Rule) -> Array:
+    """Row that takes values at points to the k-th Legendre coefficient, k below the degree."""
+    row: Array = (k + 0.5) * points.weights * np.polynomial.Legendre.basis(k)(points.points)
+    return row
 
 
 def _spread(material: Sequence[Material], section: AnyArray) -> Material:
@@ -135,7 +119,7 @@ class Chain:
         s = ends[:-1, None] + 0.5 * self.mesh.lengths[:, None] * (self.rule.points + 1.0)
         return np.maximum(0.0, (s - (self.wire.length - last)) / last)
 
-    def lengths(self, paid: tuple[float, float, float]) -> Lengths:
+    def lengths(self, paid: Paid = NOTHING_PAID) -> Lengths:
         """With wire paid out. Raises `CableError` where the last section is hauled in."""
         last = self.wire.sections[-1].length
         added, rate, change = paid
@@ -150,7 +134,8 @@ class Chain:
         """Values at nodes (n, d) -> at points (E, p+1, d)."""
         p = self.mesh.degree
         index = np.arange(0, p * len(self.mesh.lengths), p)[:, None] + np.arange(p + 1)
-        return nodes[index]
+        points: AnyArray = nodes[index]
+        return points
 
     def scatter(self, points: Array) -> Array:
         """Sums of points' values at nodes."""
@@ -181,8 +166,7 @@ class Chain:
 
     def _loads(self, r: Array, u: Array, b: Array, drive: Drive, sizes: Lengths) -> tuple[Array, Array]:
         """(n, q) at points."""
-        paid = drive.paid[1] != 0.0 or drive.paid[2] != 0.0
-        g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, paid))
+        g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, any(drive.paid[1:])))
         n = np.stack(pull(g, rate, self.material, self.ops)[0], axis=-1)
         return n, np.stack(load(g, v, a, self.material, self.ops), axis=-1)
 
@@ -200,6 +184,19 @@ class Chain:
             start[node // self.mesh.degree :] += weight
         total: Array = start[:, None, :] + within
         return total
+
+    def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
+        """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes
+        taken as a geometric series, its next term; with degree 1 and 2, the last one, which is more than the error."""
+        sizes, p = self.lengths(paid), self.mesh.degree
+        g = self.slope(self.gather(r), sizes.half)
+        last, before = (
+            np.linalg.norm(_legendre(k, self.rule) @ g, axis=1) if k >= 0 else np.zeros(len(g)) for k in (p - 1, p - 2)
+        )
+        if p <= 2:
+            before = last
+        worst = (sizes.half[:, 0] * last * last / np.maximum(np.maximum(before, last), 1e-300)).max()
+        return float(worst) / (self.wire.length + paid[0])
 
     def needed(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """R, N, (n, d), for positions, velocities and accelerations of the nodes."""
@@ -223,12 +220,12 @@ class Chain:
             loads[0] -= force
         return nodes, loads
 
-    def derivatives(self, r: Array, u: Array, b: Array, drive: Drive) -> tuple[Array, Array, Array]:
+    def derivatives(self, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID) -> tuple[Array, Array, Array]:
         """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
         of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration."""
-        sizes = self.lengths(drive.paid)
+        sizes = self.lengths(paid)
         d, p, e = self.dimensions, self.mesh.degree, len(self.mesh.lengths)
-        parts = self._material(r, u, b, sizes, drive.paid[1] != 0.0 or drive.paid[2] != 0.0)
+        parts = self._material(r, u, b, sizes, any(paid[1:]))
         # seeds: d of g, d of velocity and rate together (n knows no velocity, q no rate), d of acceleration
         seeded = [np.repeat(x.astype(complex)[None], 3 * d, axis=0) for x in parts]
         for k in range(d):
@@ -257,20 +254,23 @@ class Chain:
             sheared = self.flow.at(self.gather(r)[..., -1].ravel())[1].reshape(e, p + 1, d)
             by_height = -np.einsum("eiab,eib->eia", local[..., d : 2 * d], sheared)
             stiff[:, each, :, each, d - 1] += np.moveaxis(by_height, 1, 0)
-        self._fixture_derivatives(r, u, b, damp, mass)
+        self._fixture_derivatives(r, u, stiff, damp, mass)
         return stiff, damp, mass
 
-    def _fixture_derivatives(self, r: Array, u: Array, b: Array, damp: Array, mass: Array) -> None:
+    def _fixture_derivatives(self, r: Array, u: Array, stiff: Array, damp: Array, mass: Array) -> None:
         """Add those of fixtures to the elements above them."""
         nodes, fixture = self.fixtures
         if not len(nodes):
             return
         d = self.dimensions
-        v = np.repeat((u[nodes] - self.flow.at(r[nodes, -1])[0]).astype(complex)[None], d, axis=0)
+        flow, sheared = self.flow.at(r[nodes, -1])
+        v = np.repeat((u[nodes] - flow).astype(complex)[None], d, axis=0)
+        sheared = np.broadcast_to(sheared, flow.shape)
         for k in range(d):
             v[k, :, k] += 1j * STEP
         slopes = np.stack(fixture_load(_components(v), _components(0.0 * v), fixture, self.ops), axis=-1).imag / STEP
         for k, node in enumerate(nodes):
             above = node // self.mesh.degree
             damp[above, 0, :, 0, :] += slopes[:, k, :].T
+            stiff[above, 0, :, 0, d - 1] -= slopes[:, k, :].T @ sheared[k]
             mass[above, 0, :, 0, :] += np.diag([float(m[k]) for m in fixture.masses])

@@ -16,8 +16,8 @@ from heapq import heapify, heapreplace
 import numpy as np
 
 from ...numeric.arrays import Array
-from .chain import Mesh
 from .elements import lagrange, rule
+from .mesh import Mesh
 from .parts import Wire
 from .rest import Shape
 

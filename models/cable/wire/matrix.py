@@ -19,7 +19,8 @@ def _band_index(elements: int, degree: int, dimensions: int) -> AnyArray:
     equation = (node[:, :, None] * d + np.arange(d)).reshape(elements, -1)
     width = (p + 1) * d - 1
     row, column = equation[:, :, None], equation[:, None, :]
-    return ((2 * width + row - column) * ((elements * p + 1) * d) + column).ravel()
+    index: AnyArray = ((2 * width + row - column) * ((elements * p + 1) * d) + column).ravel()
+    return index
 
 
 @dataclass(frozen=True)

@@ -178,17 +178,6 @@ def _marched(
     return pieces
 
 
-def sagging(wire: Wire, frame: Frame, places: Array) -> Array:
-    """A parabola of about the wire's length between its ends, first shape of a wire that is held at both."""
-    assert frame.lower is not None
-    span = float(np.linalg.norm(frame.lower))
-    sag = math.sqrt(max(wire.length**2 - span**2, 0.0) * 3.0 / 16.0) + 1e-3 * wire.length
-    x = (places / wire.length)[:, None]
-    r = (1.0 - x) * frame.lower
-    r[:, -1] -= 4.0 * sag * (x * (1.0 - x))[:, 0]
-    return r
-
-
 def equilibrium(chain: Chain, frame: Frame, first: Array) -> Array:
     """Positions of the nodes relative to the top, (n, d), from a ``first`` shape. Raises `CableError`."""
     free, size = chain.free, chain.wire.length
@@ -208,7 +197,7 @@ def equilibrium(chain: Chain, frame: Frame, first: Array) -> Array:
     norm = float(np.linalg.norm(residual))
     with np.errstate(all="ignore"):
         for _ in range(MAX_NEWTON):
-            stiff, damp, mass = chain.derivatives(r, *frame.motion(r), drive)
+            stiff, damp, mass = chain.derivatives(r, *frame.motion(r))
             matrix = stiff
             if frame.turning:
                 matrix = matrix + damp @ spin + mass @ (spin @ spin)

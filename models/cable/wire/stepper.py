@@ -20,23 +20,33 @@ import numpy as np
 
 from ...numeric.arrays import Array
 from ..case import CableError
-from .chain import Chain, Drive
+from .chain import Chain, Drive, Paid
 from .matrix import Factors, factorised
 from .tableaus import THIRD, Tableau
 
 Motion = Callable[[float], Drive]
 """What is done to the wire at a time, s."""
 
-Made = tuple[Array, Array, Array, float]
-"""(Positions, velocities, accelerations, w) of factors."""
+Made = tuple[Array, Array, Array, float, Paid]
+"""(Positions, velocities, accelerations, w, wire paid out) of factors."""
 
 SLOW = 0.3
 MAX_ITERATIONS = 10
 MAX_HALVINGS = 20
 NEWTON = 1e-3
 """Newton's change of velocity over the tolerance of the step."""
+RUNAWAY, DIVERGING = 1e6, 2.0
+"""A change of velocity, m/s, and a growth of changes at which an iteration is given up."""
 SAFETY, LEAST, MOST = 0.85, 0.2, 3.0
 """The next step is the one that the error asks for times the first, a change between the others."""
+LESS = 0.9
+"""A step that is refused becomes shorter by this at least."""
+NO_ERROR = 1e-12
+"""An error over the tolerance below which a step grows no faster."""
+ROUNDING, END = 1e-9, 1e-12
+"""Shares of a step, and of a span, that are none."""
+WORTH = 1.2
+"""A step that would grow by less keeps its factors."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +60,10 @@ class State:
     step: float = 0.0
     made: Made | None = None
     before: tuple[float, Array] | None = None
+
+
+def _same(one: Made, other: Made) -> bool:
+    return one is other or (one[3:] == other[3:] and all(np.array_equal(a, b) for a, b in zip(one[:3], other[:3])))
 
 
 def _extrapolated(known: list[tuple[float, Array]], place: float) -> Array:
@@ -75,9 +89,9 @@ class Stepper:
     rejections: int = 0
     _kept: tuple[Made, Factors, Array] | None = None
 
-    def _factorise(self, made: Made, drive: Drive) -> bool:
+    def _factorise(self, made: Made) -> bool:
         """Factors of a place; False where there are none."""
-        stiff, damp, mass = self.chain.derivatives(*made[:3], drive)
+        stiff, damp, mass = self.chain.derivatives(*made[:3], made[4])
         weight = made[3]
         factors = factorised(mass + weight * (damp + weight * stiff), self.chain.free)
         self.factorisations += 1
@@ -101,14 +115,14 @@ class Stepper:
         target = NEWTON * self.tolerance
         for _ in range(MAX_ITERATIONS):
             r, u = self._placed(u0, r0, k, weight, drive)
-            if self._kept is None and not self._factorise((r, u, k.copy(), weight), drive):
+            if self._kept is None and not self._factorise((r, u, k.copy(), weight, drive.paid)):
                 return None
             assert self._kept is not None
             self.evaluations += 1
             change = self._kept[1].solve(self.chain.needed(r, u, k, drive)[free])
             size = float(np.abs(change).max()) * weight
             rate = size / last
-            if not size < 1e6 or rate > 2.0:
+            if not size < RUNAWAY or rate > DIVERGING:
                 if fresh == 2:
                     return None
                 # back, with factors of the first guess
@@ -129,10 +143,11 @@ class Stepper:
     def _attempt(self, t: float, h: float, state: State, motion: Motion) -> tuple[State, float] | None:
         """(State after the step, error over the tolerance), or None where a stage failed."""
         table, weight = self.tableau, self.tableau.diagonal * h
-        if self._kept is None or self._kept[0] is not state.made or self._kept[0][3] != weight:
-            made, self._kept = state.made, None
-            if made is not None and made[3] == weight:
-                self._factorise(made, motion(t))
+        made = state.made
+        if made is None or made[3] != weight:
+            self._kept = None
+        elif self._kept is None or not _same(self._kept[0], made):
+            self._factorise(made)
         us, ks, known = [state.velocity], [state.acceleration], [(0.0, state.acceleration)]
         if state.before is not None:
             known = [(-state.before[0] / h, state.before[1]), *known]
@@ -150,7 +165,7 @@ class Stepper:
             known.append((place, k))
         assert self._kept is not None
         made, factors, inertia = self._kept
-        raw = h * sum(e * x for e, x in zip(table.error, ks))
+        raw = h * np.tensordot(np.array(table.error), np.array(ks), 1)
         force = self.chain.scatter(np.einsum("eiajb,ejb->eia", inertia, self.chain.gather(raw)))
         error = float(np.abs(factors.solve(force[self.chain.free])).max()) / self.tolerance
         return State(r, u, k, state.step, made, (h, state.acceleration)), error
@@ -166,10 +181,10 @@ class Stepper:
                 most, h = 1.0, 0.5 * h
                 continue
             after, error = tried
-            grow = SAFETY * max(error, 1e-12) ** (-1.0 / self.tableau.order)
+            grow = SAFETY * max(error, NO_ERROR) ** (-1.0 / self.tableau.order)
             if error > 1.0:
                 self.rejections += 1
-                h *= min(0.9, max(LEAST, grow))
+                h *= min(LESS, max(LEAST, grow))
                 continue
             self.steps += 1
             if self.factorisations > factorised_before + len(self.tableau.rows):
@@ -184,17 +199,17 @@ class Stepper:
     def advance(self, t: float, span: float, state: State, motion: Motion) -> State:
         """State after ``span``, s, in as many steps as the tolerance asks for."""
         done = 0.0
-        while done < span * (1.0 - 1e-12):
+        while done < span * (1.0 - END):
             left, before = span - done, state.step
             asked = min(before if before > 0.0 else 0.1 * left, self.largest)
             # equal steps to the end, so that factors are kept
-            h = left / math.ceil(left / asked - 1e-9)
+            h = left / math.ceil(left / asked - ROUNDING)
             state, h = self.step(t + done, h, state, motion)
             done += h
             wanted = min(state.step, self.largest)
             if wanted >= h:
                 # shortened by the end of the span, or not worth new factors
-                wanted = max(before, wanted) if h < asked else (wanted if wanted > 1.2 * h else h)
+                wanted = max(before, wanted) if h < asked else (wanted if wanted > WORTH * h else h)
             state = replace(state, step=wanted)
         return state
 
@@ -202,7 +217,7 @@ class Stepper:
 def consistent(chain: Chain, r: Array, u: Array, drive: Drive) -> State:
     """State with the accelerations that positions and velocities ask for."""
     zero, free = np.zeros_like(r), chain.free
-    mass = chain.derivatives(r, u, zero, drive)[2]
+    mass = chain.derivatives(r, u, zero, drive.paid)[2]
     factors = factorised(mass, free)
     if factors is None:
         raise CableError("the wire has a node without mass")

@@ -2,17 +2,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "chain_limits.h"
+
 enum { MOST_POINTS = MOST_DEGREE + 1, BLOCK = MOST_DIMENSIONS * MOST_DIMENSIONS };
 
-int chain_work(const Chain *chain)
-{
-    return 64 + 8 * chain->dimensions * chain->dimensions;
-}
+int chain_work(const Chain *chain) { return 64 + 8 * chain->dimensions * chain->dimensions; }
 
-int chain_width(const Chain *chain)
-{
-    return (chain->degree + 1) * chain->dimensions - 1;
-}
+int chain_width(const Chain *chain) { return (chain->degree + 1) * chain->dimensions - 1; }
 
 /* Velocity of the water at height z, and its slope over z. */
 static void flow_at(const Chain *chain, double z, double *velocity, double *slope)
@@ -25,9 +21,9 @@ static void flow_at(const Chain *chain, double z, double *velocity, double *slop
     const double size = chain->levels > 1 ? chain->level[k + 1] - chain->level[k] : 1.0;
     const double share = inside ? (z - chain->level[k]) / size : chain->levels > 1 && z > chain->level[k] ? 1.0 : 0.0;
     for (int c = 0; c < d; c++) {
-        const double change = chain->levels > 1 ? low[d + c] - low[c] : 0.0;
-        velocity[c] = low[c] + share * change;
-        if (slope) slope[c] = inside ? change / size : 0.0;
+        const double difference = chain->levels > 1 ? low[d + c] - low[c] : 0.0;
+        velocity[c] = low[c] + share * difference;
+        if (slope) slope[c] = inside ? difference / size : 0.0;
     }
 }
 
@@ -37,7 +33,8 @@ typedef struct {
     const double *arguments[5];
 } Point;
 
-static void point_at(const Chain *chain, int element, int q, const double *r, const double *u, const double *b, Point *at)
+static void point_at(const Chain *chain, int element, int q, const double *r, const double *u, const double *b,
+                     Point *at)
 {
     const int d = chain->dimensions, points = chain->degree + 1;
     const double *slopes = chain->slopes + q * points, inverse = 1.0 / chain->half[element];
@@ -59,12 +56,13 @@ static void point_at(const Chain *chain, int element, int q, const double *r, co
     at->arguments[4] = chain->material + element * POINT_MATERIAL;
 }
 
-/* Speed of a fixture through the water, with what keeps its derivative finite (point.py), and the velocity. */
-static double fixture_speed(const Chain *chain, const double *r, const double *u, double *v)
+/* Speed of a fixture through the water, with what keeps its derivative finite (point.py); the velocity, and the slope
+ * of the water's over z where asked for. */
+static double fixture_speed(const Chain *chain, const double *r, const double *u, double *v, double *slope)
 {
     const int d = chain->dimensions;
-    double square = 1e-12;
-    flow_at(chain, r[d - 1], v, NULL);
+    double square = CHAIN_SMALL_SPEED2;
+    flow_at(chain, r[d - 1], v, slope);
     for (int c = 0; c < d; c++) {
         v[c] = u[c] - v[c];
         square += v[c] * v[c];
@@ -72,7 +70,8 @@ static double fixture_speed(const Chain *chain, const double *r, const double *u
     return sqrt(square);
 }
 
-void chain_needed(const Chain *chain, const double *r, const double *u, const double *b, const Drive *drive, double *needed)
+void chain_needed(const Chain *chain, const double *r, const double *u, const double *b, const Drive *drive,
+                  double *needed)
 {
     const int d = chain->dimensions, p = chain->degree, points = p + 1;
     memset(needed, 0, (size_t)(chain->nodes * d) * sizeof *needed);
@@ -98,7 +97,7 @@ void chain_needed(const Chain *chain, const double *r, const double *u, const do
         const int at = chain->fixture_node[k] * d;
         const double *fixture = chain->fixture + k * (d + 2);
         double v[MOST_DIMENSIONS];
-        const double factor = fixture[d + 1] * fixture_speed(chain, r + at, u + at, v);
+        const double factor = fixture[d + 1] * fixture_speed(chain, r + at, u + at, v, NULL);
         for (int c = 0; c < d; c++) needed[at + c] += fixture[c] * b[at + c] + factor * v[c];
         needed[at + d - 1] += fixture[d];
     }
@@ -124,7 +123,8 @@ static void add_pull(const Chain *chain, const double *pull, double scale, int q
 }
 
 /* The load at point q: on its own node, by all nodes through g and by its own velocity and acceleration. */
-static void add_load(const Chain *chain, const double *by_g, const double *own, double weight, int q, int row, double *band)
+static void add_load(const Chain *chain, const double *by_g, const double *own, double weight, int q, int row,
+                     double *band)
 {
     const int d = chain->dimensions, points = chain->degree + 1, width = chain_width(chain);
     const double *slopes = chain->slopes + q * points;
@@ -143,12 +143,16 @@ static void add_fixtures(const Chain *chain, const double *r, const double *u, d
     for (int k = 0; k < chain->fixtures; k++) {
         const int at = chain->fixture_node[k] * d;
         const double *fixture = chain->fixture + k * (d + 2);
-        double v[MOST_DIMENSIONS];
-        const double speed = fixture_speed(chain, r + at, u + at, v);
+        double v[MOST_DIMENSIONS], slope[MOST_DIMENSIONS];
+        const double speed = fixture_speed(chain, r + at, u + at, v, slope);
         for (int a = 0; a < d; a++) {
             double *line = band + (at + a) * (2 * width + 1) + width - a;
-            for (int c = 0; c < d; c++) line[c] += w * fixture[d + 1] * v[a] * v[c] / speed;
-            line[a] += w * fixture[d + 1] * speed + fixture[a];
+            for (int c = 0; c < d; c++) {
+                const double damping = fixture[d + 1] * (v[a] * v[c] / speed + (a == c ? speed : 0.0));
+                line[c] += w * damping;
+                line[d - 1] -= w * w * damping * slope[c];
+            }
+            line[a] += fixture[a];
             inertia[(chain->fixture_node[k] * d + a) * d + a] += fixture[a];
         }
     }
@@ -177,9 +181,9 @@ void chain_band(const Chain *chain, const double *r, const double *u, const doub
             }
             /* sheared water: velocity by height */
             for (int a = 0; a < d; a++) {
-                double change = 0.0;
-                for (int c = 0; c < d; c++) change += by_v[c * d + a] * at.slope[c];
-                by_a[(d - 1) * d + a] -= local * w * w * change;
+                double difference = 0.0;
+                for (int c = 0; c < d; c++) difference += by_v[c * d + a] * at.slope[c];
+                by_a[(d - 1) * d + a] -= local * w * w * difference;
             }
             add_pull(chain, pull, weight / half, q, first, band);
             add_load(chain, by_g, by_a, weight * w * w, q, first, band);

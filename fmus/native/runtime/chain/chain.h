@@ -10,7 +10,8 @@
 
 enum { MOST_DIMENSIONS = 3, MOST_DEGREE = 6, POINT_MATERIAL = 15 };
 
-/* A traced function: results of g, its rate, velocity, acceleration, material; columns, derivatives column by column. */
+/* A traced function: results of g, its rate, velocity, acceleration, material; columns, derivatives column by column.
+ */
 typedef int PointFunction(const double **arguments, double **results, long long *iw, double *w, int memory);
 
 typedef struct {
@@ -18,7 +19,7 @@ typedef struct {
     const double *half;                            /* half the length of an element, m */
     const double *material;                        /* POINT_MATERIAL numbers an element */
     bool damped;                                   /* any internal damping */
-    const double *weights, *slopes;                /* of the points; slope of polynomial j at point q: [q (p + 1) + j] */
+    const double *weights, *slopes; /* of the points; slope of polynomial j at point q: [q (p + 1) + j] */
     int fixtures;
     const int *fixture_node;
     const double *fixture; /* of each: masses by component, weight, drag */
@@ -28,7 +29,8 @@ typedef struct {
     double *work; /* chain_work() numbers */
 } Chain;
 
-/* What is done to a wire at a time: position, velocity, acceleration of the top and of a held lower end; force on the body. */
+/* What is done to a wire at a time: position, velocity, acceleration of the top and of a held lower end; force on the
+ * body. */
 typedef struct {
     double top[3][MOST_DIMENSIONS], lower[3][MOST_DIMENSIONS], force[MOST_DIMENSIONS];
 } Drive;
@@ -37,7 +39,8 @@ typedef struct {
 int chain_work(const Chain *chain);
 
 /* Forces that the motion r, u, b of the nodes needs at every node, N; zero where nothing holds the node. */
-void chain_needed(const Chain *chain, const double *r, const double *u, const double *b, const Drive *drive, double *needed);
+void chain_needed(const Chain *chain, const double *r, const double *u, const double *b, const Drive *drive,
+                  double *needed);
 
 /* Band of M + w C + w^2 K and inertia, one block a node, column by column. */
 void chain_band(const Chain *chain, const double *r, const double *u, const double *b, double w, double *band,

@@ -1,16 +1,11 @@
 /* Linear equations of a chain: banded LU along the elements, no further than an element reaches. */
 #include "chain.h"
+#include <math.h>
 
 /* First and one behind the last free equation, and the last that equation k meets. */
-static int first_free(const Chain *chain)
-{
-    return chain->held ? chain->dimensions : 0;
-}
+static int first_free(const Chain *chain) { return chain->held ? chain->dimensions : 0; }
 
-static int count_free(const Chain *chain)
-{
-    return (chain->nodes - 1) * chain->dimensions;
-}
+static int count_free(const Chain *chain) { return (chain->nodes - 1) * chain->dimensions; }
 
 static int reach(const Chain *chain, int k)
 {
@@ -26,7 +21,7 @@ bool chain_factor(const Chain *chain, double *band)
         /* entry (i, j) is band[i stride + j + width] */
         const double *pivot = band + k * stride + width;
         const int last = reach(chain, k);
-        if (!(pivot[k] > 0.0 && pivot[k] < 1e300)) return false;
+        if (!(pivot[k] > 0.0 && isfinite(pivot[k]))) return false;
         const double inverse = 1.0 / pivot[k];
         for (int i = k + 1; i < last; i++) {
             double *row = band + i * stride + width;

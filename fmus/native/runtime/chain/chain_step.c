@@ -3,23 +3,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double SLOW = 0.3, NEWTON = 1e-3, SAFETY = 0.85, LEAST = 0.2, MOST = 3.0;
-enum { MAX_ITERATIONS = 10, MAX_HALVINGS = 20 };
+#include "chain_limits.h"
 
-static size_t size_of(const Chain *chain)
-{
-    return (size_t)(chain->nodes * chain->dimensions);
-}
+static size_t size_of(const Chain *chain) { return (size_t)(chain->nodes * chain->dimensions); }
 
 bool chain_stepper_begin(ChainStepper *stepper)
 {
     const Chain *chain = &stepper->chain;
     const size_t n = size_of(chain), width = (size_t)chain_width(chain);
-    double **vectors[] = {
-        &stepper->state.position, &stepper->state.velocity, &stepper->state.acceleration, &stepper->state.before,
-        stepper->state.made,      stepper->state.made + 1,  stepper->state.made + 2,      &stepper->stage_r,
-        &stepper->stage_u,        &stepper->stage_k,        &stepper->base_r,             &stepper->base_u,
-        &stepper->guess,          &stepper->change};
+    double **vectors[] = {&stepper->state.position, &stepper->state.velocity, &stepper->state.acceleration,
+                          &stepper->state.before,   stepper->state.made,      stepper->state.made + 1,
+                          stepper->state.made + 2,  &stepper->stage_r,        &stepper->stage_u,
+                          &stepper->stage_k,        &stepper->base_r,         &stepper->base_u,
+                          &stepper->guess,          &stepper->change};
     bool done = true;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
         *vectors[i] = calloc(n, sizeof(double));
@@ -34,12 +30,24 @@ bool chain_stepper_begin(ChainStepper *stepper)
 
 void chain_stepper_end(ChainStepper *stepper)
 {
-    double *vectors[] = {stepper->state.position, stepper->state.velocity, stepper->state.acceleration,
-                         stepper->state.before,   stepper->state.made[0],  stepper->state.made[1],
-                         stepper->state.made[2],  stepper->stage_r,        stepper->stage_u,
-                         stepper->stage_k,        stepper->base_r,         stepper->base_u,
-                         stepper->guess,          stepper->change,         stepper->us,
-                         stepper->ks,             stepper->band,           stepper->inertia};
+    double *vectors[] = {stepper->state.position,
+                         stepper->state.velocity,
+                         stepper->state.acceleration,
+                         stepper->state.before,
+                         stepper->state.made[0],
+                         stepper->state.made[1],
+                         stepper->state.made[2],
+                         stepper->stage_r,
+                         stepper->stage_u,
+                         stepper->stage_k,
+                         stepper->base_r,
+                         stepper->base_u,
+                         stepper->guess,
+                         stepper->change,
+                         stepper->us,
+                         stepper->ks,
+                         stepper->band,
+                         stepper->inertia};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) free(vectors[i]);
 }
 
@@ -48,7 +56,8 @@ static bool factorise(ChainStepper *stepper)
 {
     const Chain *chain = &stepper->chain;
     const ChainState *state = &stepper->state;
-    chain_band(chain, state->made[0], state->made[1], state->made[2], state->made_weight, stepper->band, stepper->inertia);
+    chain_band(chain, state->made[0], state->made[1], state->made[2], state->made_weight, stepper->band,
+               stepper->inertia);
     stepper->factorisations++;
     stepper->factored = chain_factor(chain, stepper->band);
     return stepper->factored;
@@ -101,18 +110,18 @@ static bool solve_stage(ChainStepper *stepper, double weight, const Drive *drive
 {
     const Chain *chain = &stepper->chain;
     const int n = chain->nodes * chain->dimensions;
-    const double target = NEWTON * stepper->tolerance;
+    const double target = CHAIN_NEWTON * stepper->tolerance;
     double last = INFINITY;
     bool again = false;
     memcpy(stepper->stage_k, stepper->guess, (size_t)n * sizeof(double));
-    for (int iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
+    for (int iteration = 0; iteration < CHAIN_MAX_ITERATIONS; iteration++) {
         place(stepper, weight, drive);
         if (!stepper->factored && !factorise_here(stepper, weight)) return false;
         chain_needed(chain, stepper->stage_r, stepper->stage_u, stepper->stage_k, drive, stepper->change);
         stepper->evaluations++;
         chain_solve(chain, stepper->band, stepper->change);
         const double size = weight * largest(stepper->change, n), rate = size / last;
-        if (!(size < 1e6) || rate > 2.0) {
+        if (!(size < CHAIN_RUNAWAY) || rate > CHAIN_DIVERGING) {
             if (again) return false;
             memcpy(stepper->stage_k, stepper->guess, (size_t)n * sizeof(double));
             last = INFINITY;
@@ -126,7 +135,7 @@ static bool solve_stage(ChainStepper *stepper, double weight, const Drive *drive
             place(stepper, weight, drive);
             return true;
         }
-        const bool slow = rate > SLOW && last < INFINITY;
+        const bool slow = rate > CHAIN_SLOW && last < INFINITY;
         stepper->factored = !slow;
         last = slow ? INFINITY : size;
     }
@@ -187,8 +196,10 @@ static double attempt(ChainStepper *stepper, double t, double step)
     const size_t bytes = (size_t)n * sizeof(double);
     const ChainState *state = &stepper->state;
     const double weight = table->diagonal * step;
-    if (state->made_weight != weight) stepper->factored = false;
-    else if (!stepper->factored) factorise(stepper);
+    if (state->made_weight != weight)
+        stepper->factored = false;
+    else if (!stepper->factored)
+        factorise(stepper);
     memcpy(stepper->us, state->velocity, bytes);
     memcpy(stepper->ks, state->acceleration, bytes);
     for (int s = 1; s <= table->stages; s++) {
@@ -218,8 +229,8 @@ double chain_step(ChainStepper *stepper, double t, double step)
     const size_t bytes = size_of(&stepper->chain) * sizeof(double);
     const long factorised = stepper->factorisations;
     ChainState *state = &stepper->state;
-    double most = MOST;
-    for (int k = 0; k < MAX_HALVINGS; k++) {
+    double most = CHAIN_MOST;
+    for (int k = 0; k < CHAIN_MAX_HALVINGS; k++) {
         const double error = attempt(stepper, t, step);
         if (!(error >= 0.0)) {
             stepper->failures++;
@@ -228,10 +239,10 @@ double chain_step(ChainStepper *stepper, double t, double step)
             step *= 0.5;
             continue;
         }
-        double grow = SAFETY * pow(fmax(error, 1e-12), -1.0 / stepper->tableau->order);
+        double grow = CHAIN_SAFETY * pow(fmax(error, CHAIN_NO_ERROR), -1.0 / stepper->tableau->order);
         if (error > 1.0) {
             stepper->rejections++;
-            step *= fmin(0.9, fmax(LEAST, grow));
+            step *= fmin(CHAIN_LESS, fmax(CHAIN_LEAST, grow));
             continue;
         }
         stepper->steps++;
@@ -251,15 +262,15 @@ bool chain_advance(ChainStepper *stepper, double t, double span)
 {
     ChainState *state = &stepper->state;
     double done = 0.0;
-    while (done < span * (1.0 - 1e-12)) {
+    while (done < span * (1.0 - CHAIN_END)) {
         const double left = span - done, before = state->step;
         const double asked = fmin(before > 0.0 ? before : 0.1 * left, stepper->largest);
         /* equal steps to the end, so that factors are kept */
-        const double first = left / ceil(left / asked - 1e-9), step = chain_step(stepper, t + done, first);
+        const double first = left / ceil(left / asked - CHAIN_ROUNDING), step = chain_step(stepper, t + done, first);
         if (!(step > 0.0)) return false;
         done += step;
         double wanted = fmin(state->step, stepper->largest);
-        if (wanted >= step) wanted = step < asked ? fmax(before, wanted) : wanted > 1.2 * step ? wanted : step;
+        if (wanted >= step) wanted = step < asked ? fmax(before, wanted) : wanted > CHAIN_WORTH * step ? wanted : step;
         state->step = wanted;
     }
     return true;

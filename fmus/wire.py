@@ -1,0 +1,10 @@
+"""Unit `wire`: the nonlinear wire, from hanging at rest to towing in a turn."""
+
+from ..models.cable.units.wire import WIRE
+from .declare.unit import Unit
+
+UNIT = Unit.of(
+    WIRE,
+    start={"in_space": 1.0, "elements": 2.0, "degree": 4.0},
+    inputs={"velocity_heave": (1.0, 1.2), "velocity_surge": (0.5, 0.7)},
+)
