@@ -2,12 +2,13 @@
  *
  *     wire_host < CASE
  *
- * A case is numbers in this order: dimensions degree elements held damped; half lengths; material; weights; slopes;
- * number of fixtures, then node and numbers of each; levels, z and flow of each; tolerance, largest step, order; kind
- * of motion (0: heave, 1: turn) and its four numbers (speed, amplitude, omega, ramp; or speed, radius, angle, unused);
- * positions and velocities of the nodes; number of times, the times. Prints a line a time: t, place of the body, pull
- * on the top; and last the processor time, s, the number of steps, evaluations and factorisations. */
-#include "chain_step.h"
+ * A case is numbers in this order: dimensions degree elements held damped; half lengths; material; points; weights;
+ * slopes; number of fixtures, then node and numbers of each; levels, z and flow of each; tolerance, largest step,
+ * order; kind of motion (0: heave, 1: turn) and its four numbers (speed, amplitude, omega, ramp; or speed, radius,
+ * angle, unused); positions and velocities of the nodes; number of times, the times. Prints a line a time: t, place of
+ * the body, pull on the top; and last the processor time of the motion and of the set-up, s, the number of steps,
+ * evaluations and factorisations. */
+#include "chain_rest.h"
 #include "chain_tableaus.h"
 #include <math.h>
 #include <stdio.h>
@@ -82,6 +83,7 @@ static void read_chain(Chain *chain)
     const int points = chain->degree + 1, d = chain->dimensions;
     chain->half = several(chain->elements);
     chain->material = several(chain->elements * POINT_MATERIAL);
+    chain->points = several(points);
     chain->weights = several(points);
     chain->slopes = several(points * points);
     chain->fixtures = (int)next();
@@ -117,10 +119,11 @@ int main(void)
     stepper.data = &path;
     if (!chain_stepper_begin(&stepper)) return 2;
     const int d = path.dimensions, n = stepper.chain.nodes * d;
-    for (int i = 0; i < n; i++) stepper.state.position[i] = next();
-    for (int i = 0; i < n; i++) stepper.state.velocity[i] = next();
     const int count = (int)next();
     double *times = several(count), *pull = malloc((size_t)n * sizeof *pull), t = 0.0;
+    const double velocity[MOST_DIMENSIONS] = {path.number[0]};
+    const clock_t first = clock();
+    if (!chain_rest(&stepper, velocity)) return 4;
     const clock_t begin = clock();
     for (int k = 0; k < count; k++) {
         Drive drive;
@@ -135,8 +138,9 @@ int main(void)
         for (int c = 0; c < d; c++) printf(" %.17g", -pull[n - d + c]);
         printf("\n");
     }
-    printf("%.9g %ld %ld %ld %ld %ld\n", (double)(clock() - begin) / CLOCKS_PER_SEC, stepper.steps, stepper.evaluations,
-           stepper.factorisations, stepper.failures, stepper.rejections);
+    printf("%.9g %.9g %ld %ld %ld %ld %ld\n", (double)(clock() - begin) / CLOCKS_PER_SEC,
+           (double)(begin - first) / CLOCKS_PER_SEC, stepper.steps, stepper.evaluations, stepper.factorisations,
+           stepper.failures, stepper.rejections);
     chain_stepper_end(&stepper);
     return 0;
 }

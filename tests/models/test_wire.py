@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,10 +19,8 @@ from towage.models.cable.wire.parts import Flow, Mass, Section, Wire, cross_flow
 from towage.models.cable.wire.rest import Frame, equilibrium, march
 from towage.models.cable.wire.stepper import State, Stepper, consistent
 from towage.models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
-from towage.verify.verify import check
 from towage.verify.wire import steady_chain
 
-SHARED = Path(__file__).resolve().parents[3] / "shared" / "reference" / "wire.json"
 FISH = Section(150.0, 0.6, 4.747156, 0.012, 8e6, *cross_flow_section(1.5, 0.01))
 BODY = Mass(800.0, 300.0, 5000.0, 0.3)
 
@@ -257,25 +253,6 @@ def test_jacobian_is_the_derivative_of_the_forces() -> None:
         slope = (chain.needed(*values[0], drive) - chain.needed(*values[1], drive)) / 2e-5
         found = chain.scatter(np.einsum("eiajb,ejb->eia", local, chain.gather(direction)))
         assert np.abs(found - slope).max() < 1e-6 * np.abs(slope).max()
-
-
-CASES = json.loads(SHARED.read_text("utf-8"))["cases"] if SHARED.is_file() else []
-FAST = ("wire_steady", "wire_circle")
-
-
-@pytest.mark.skipif(not CASES, reason="the shared reference values are not beside this repository")
-@pytest.mark.parametrize("case", [c for c in CASES if c["kind"] in FAST], ids=lambda c: c["name"])
-def test_reference_at_rest(case: dict[str, Any]) -> None:
-    result = check(case)
-    assert result.ok, result.message
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not CASES, reason="the shared reference values are not beside this repository")
-@pytest.mark.parametrize("case", [c for c in CASES if c["kind"] not in FAST], ids=lambda c: c["name"])
-def test_reference_in_motion(case: dict[str, Any]) -> None:
-    result = check(case)
-    assert result.ok, result.message
 
 
 def test_a_case_that_makes_no_sense_is_named() -> None:

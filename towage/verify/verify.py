@@ -31,7 +31,7 @@ from towage.verify import wire as verify_wire
 from towage.verify import wire_motion as verify_wire_motion
 
 DEFAULT_RTOL = 1e-8
-OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json")
+OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json", "wire.json")
 """The project's own copies, in ``towage/reference``."""
 
 SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {

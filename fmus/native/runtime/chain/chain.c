@@ -10,8 +10,7 @@ int chain_work(const Chain *chain) { return 64 + 8 * chain->dimensions * chain->
 
 int chain_width(const Chain *chain) { return (chain->degree + 1) * chain->dimensions - 1; }
 
-/* Velocity of the water at height z, and its slope over z. */
-static void flow_at(const Chain *chain, double z, double *velocity, double *slope)
+void chain_flow(const Chain *chain, double z, double *velocity, double *slope)
 {
     const int d = chain->dimensions;
     int k = 0;
@@ -47,7 +46,7 @@ static void point_at(const Chain *chain, int element, int q, const double *r, co
         at->g[c] = g * inverse;
         at->rate[c] = rate * inverse;
     }
-    flow_at(chain, r[q * d + d - 1], at->v, at->slope);
+    chain_flow(chain, r[q * d + d - 1], at->v, at->slope);
     for (int c = 0; c < d; c++) at->v[c] = u[q * d + c] - at->v[c];
     at->arguments[0] = at->g;
     at->arguments[1] = at->rate;
@@ -62,12 +61,22 @@ static double fixture_speed(const Chain *chain, const double *r, const double *u
 {
     const int d = chain->dimensions;
     double square = CHAIN_SMALL_SPEED2;
-    flow_at(chain, r[d - 1], v, slope);
+    chain_flow(chain, r[d - 1], v, slope);
     for (int c = 0; c < d; c++) {
         v[c] = u[c] - v[c];
         square += v[c] * v[c];
     }
     return sqrt(square);
+}
+
+void chain_fixture(const Chain *chain, int fixture, const double *r, const double *u, const double *b, double *load)
+{
+    const int d = chain->dimensions;
+    const double *numbers = chain->fixture + fixture * (d + 2);
+    double v[MOST_DIMENSIONS];
+    const double factor = numbers[d + 1] * fixture_speed(chain, r, u, v, NULL);
+    for (int c = 0; c < d; c++) load[c] += numbers[c] * b[c] + factor * v[c];
+    load[d - 1] += numbers[d];
 }
 
 void chain_needed(const Chain *chain, const double *r, const double *u, const double *b, const Drive *drive,
@@ -95,11 +104,7 @@ void chain_needed(const Chain *chain, const double *r, const double *u, const do
     }
     for (int k = 0; k < chain->fixtures; k++) {
         const int at = chain->fixture_node[k] * d;
-        const double *fixture = chain->fixture + k * (d + 2);
-        double v[MOST_DIMENSIONS];
-        const double factor = fixture[d + 1] * fixture_speed(chain, r + at, u + at, v, NULL);
-        for (int c = 0; c < d; c++) needed[at + c] += fixture[c] * b[at + c] + factor * v[c];
-        needed[at + d - 1] += fixture[d];
+        chain_fixture(chain, k, r + at, u + at, b + at, needed + at);
     }
     if (!chain->held) {
         for (int c = 0; c < d; c++) needed[c] -= drive->force[c];

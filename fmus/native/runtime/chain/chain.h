@@ -19,7 +19,8 @@ typedef struct {
     const double *half;                            /* half the length of an element, m */
     const double *material;                        /* POINT_MATERIAL numbers an element */
     bool damped;                                   /* any internal damping */
-    const double *weights, *slopes; /* of the points; slope of polynomial j at point q: [q (p + 1) + j] */
+    const double *points, *weights,
+        *slopes; /* in [-1, 1]; of the points; slope of polynomial j at q: [q (p + 1) + j] */
     int fixtures;
     const int *fixture_node;
     const double *fixture; /* of each: masses by component, weight, drag */
@@ -35,6 +36,12 @@ typedef struct {
     double top[3][MOST_DIMENSIONS], lower[3][MOST_DIMENSIONS], force[MOST_DIMENSIONS];
 } Drive;
 
+/* Velocity of the water at height z, and its slope over z where asked for. */
+void chain_flow(const Chain *chain, double z, double *velocity, double *slope);
+
+/* Adds the load of a fixture at r with u, b to `load`, N. */
+void chain_fixture(const Chain *chain, int fixture, const double *r, const double *u, const double *b, double *load);
+
 /* Numbers of work space of a chain. */
 int chain_work(const Chain *chain);
 
@@ -49,7 +56,7 @@ void chain_band(const Chain *chain, const double *r, const double *u, const doub
 /* Half the width of the band. */
 int chain_width(const Chain *chain);
 
-/* LU in place for the free nodes, without row exchanges; false: a pivot is not positive. */
+/* LU in place for the free nodes, without row exchanges; false: a pivot is zero or not finite. */
 bool chain_factor(const Chain *chain, double *band);
 
 /* Solution in place, for values at all nodes; those that are held become zero. */

@@ -21,7 +21,7 @@ bool chain_factor(const Chain *chain, double *band)
         /* entry (i, j) is band[i stride + j + width] */
         const double *pivot = band + k * stride + width;
         const int last = reach(chain, k);
-        if (!(pivot[k] > 0.0 && isfinite(pivot[k]))) return false;
+        if (pivot[k] == 0.0 || !isfinite(pivot[k])) return false;
         const double inverse = 1.0 / pivot[k];
         for (int i = k + 1; i < last; i++) {
             double *row = band + i * stride + width;
