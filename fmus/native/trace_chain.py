@@ -11,7 +11,7 @@ from pathlib import Path
 
 import casadi as ca
 
-from ...models.cable.wire import stepper
+from ...models.cable.wire import rest, stepper
 from ...models.cable.wire.point import SMALL_SPEED2, Material, load, pull
 from ...models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
 from .traced import OPS, dense, parts
@@ -62,12 +62,16 @@ def tableaus_source() -> str:
 
 
 def limits_source() -> str:
-    """``chain_limits.h``: the limits of ``stepper.py`` and what ``point.py`` adds under its roots."""
+    """``chain_limits.h``: the limits of ``stepper.py`` and ``rest.py``, and what ``point.py`` adds under its roots."""
     names = (
         "SLOW", "NEWTON", "SAFETY", "LEAST", "MOST", "LESS", "NO_ERROR", "ROUNDING", "END", "WORTH", "RUNAWAY", "DIVERGING",
         "MAX_ITERATIONS", "MAX_HALVINGS",
     )  # fmt: skip
-    numbers = {name: getattr(stepper, name) for name in names} | {"SMALL_SPEED2": SMALL_SPEED2}
+    at_rest = ("TOLERANCE", "MARCHED", "FAR", "ARRIVED", "FIRST_TIME", "SHORTER", "MAX_NEWTON", "MAX_MARCHES")
+    numbers = {
+        **{name: getattr(stepper, name) for name in names}, **{name: getattr(rest, name) for name in at_rest},
+        "SMALL_SPEED2": SMALL_SPEED2,
+    }  # fmt: skip
     return _header("limits", "".join(f"#define CHAIN_{name} {value!r}\n" for name, value in numbers.items()))
 
 

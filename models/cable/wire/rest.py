@@ -27,6 +27,12 @@ from .point import fixture_load, load
 
 TOLERANCE = 1e-9
 """Newton's last change of positions over the length of the wire."""
+MARCHED = 1e-6
+"""Miss of the top over the length at which the end of a march is near enough."""
+FAR, ARRIVED = 0.3, 1e-7
+"""Newton's change over the length that is never taken, and one that is taken whatever the forces do."""
+FIRST_TIME, SHORTER = 1.0, 0.25
+"""Pseudo-time, s, when Newton's method goes astray at first, and its change when it does again."""
 MAX_NEWTON = 200
 MAX_MARCHES = 60
 
@@ -74,7 +80,7 @@ def march(wire: Wire, flow: Flow, frame: Frame, dimensions: int, rtol: float = 1
     for _ in range(MAX_MARCHES):
         pieces = _marched(wire, flow, frame, start, rtol)
         end = pieces[-1][2](pieces[-1][1])[:dimensions]
-        if not depends or np.abs(end).max() < 1e-6 * size:
+        if not depends or np.abs(end).max() < MARCHED * size:
             break
         start = start - end
     return _shape(pieces, end, dimensions)
@@ -209,11 +215,11 @@ def equilibrium(chain: Chain, frame: Frame, first: Array) -> Array:
                 change = factors.solve(residual)
                 trial[free] -= change
             moved = float(np.abs(change).max())
-            after = unbalanced(trial) if moved < 0.3 * size else np.full_like(residual, math.nan)
+            after = unbalanced(trial) if moved < FAR * size else np.full_like(residual, math.nan)
             after_norm = float(np.linalg.norm(after))
-            if not after_norm < (2.0 if pseudo < math.inf else 1.0) * norm and not moved < 1e-7 * size:
+            if not after_norm < (2.0 if pseudo < math.inf else 1.0) * norm and not moved < ARRIVED * size:
                 # too far for Newton's method: a short time of motion that dies out at once
-                pseudo = 1.0 if pseudo == math.inf else 0.25 * pseudo
+                pseudo = FIRST_TIME if pseudo == math.inf else SHORTER * pseudo
                 if pseudo < 1e-9:
                     break
                 continue

@@ -4,7 +4,7 @@
 
 #include "chain_limits.h"
 
-enum { SUBSTEPS = 16, PASSES = 60, NEWTON_STEPS = 200, SIZE = 2 * MOST_DIMENSIONS };
+enum { SUBSTEPS = 16, SIZE = 2 * MOST_DIMENSIONS };
 
 /* A wire on its way up: what it is made of here, and its velocity. */
 typedef struct {
@@ -88,24 +88,24 @@ static bool settle(ChainStepper *stepper, double length)
     const double longest = 1e6;
     ChainState *state = &stepper->state;
     double w = longest, *trial = stepper->guess;
-    for (int k = 0; k < NEWTON_STEPS; k++) {
+    for (int k = 0; k < CHAIN_MAX_NEWTON; k++) {
         double moved = 0.0;
         const double before = unbalance(stepper, state->position);
         chain_band(chain, state->position, state->velocity, state->acceleration, w, stepper->band, stepper->inertia);
         if (!chain_factor(chain, stepper->band)) return false;
         chain_solve(chain, stepper->band, stepper->change);
         for (int i = 0; i < n; i++) {
-            const double change = w * w * stepper->change[i];
-            trial[i] = state->position[i] - change;
-            moved = fmax(moved, fabs(change));
+            const double move = w * w * stepper->change[i];
+            trial[i] = state->position[i] - move;
+            moved = fmax(moved, fabs(move));
         }
         const double growth = unbalance(stepper, trial) / before;
-        if (!(moved < 0.3 * length && (growth < (w < longest ? 4.0 : 1.0) || moved < 1e-7 * length))) {
-            w = w < longest ? 0.25 * w : 1.0;
+        if (!(moved < CHAIN_FAR * length && (growth < (w < longest ? 4.0 : 1.0) || moved < CHAIN_ARRIVED * length))) {
+            w = w < longest ? CHAIN_SHORTER * w : CHAIN_FIRST_TIME;
             continue;
         }
         memcpy(state->position, trial, (size_t)n * sizeof *trial);
-        if (w == longest && moved < CHAIN_ROUNDING * length) return true;
+        if (w == longest && moved < CHAIN_TOLERANCE * length) return true;
         w = w > 1e4 ? longest : 10.0 * w;
     }
     return false;
@@ -120,7 +120,7 @@ bool chain_rest(ChainStepper *stepper, const double *velocity)
     double start[MOST_DIMENSIONS] = {0.0}, length = 0.0, missed = INFINITY;
     if (chain->held) return false;
     for (int e = 0; e < chain->elements; e++) length += 2.0 * chain->half[e];
-    for (int pass = 0; pass < PASSES && missed > 1e-6 * length; pass++) {
+    for (int pass = 0; pass < CHAIN_MAX_MARCHES && missed > CHAIN_MARCHED * length; pass++) {
         double y[SIZE] = {0.0};
         memcpy(y, start, (size_t)d * sizeof *y);
         march_up(&march, chain->points, state->position, y);
