@@ -5,6 +5,6 @@ from .declare.unit import Unit
 
 UNIT = Unit.of(
     WIRE,
-    start={"in_space": 1.0, "elements": 2.0, "degree": 4.0},
+    start={"in_space": 1.0, "elements": 2.0, "degree": 4.0, "velocity_tolerance": 0.01},
     inputs={"velocity_heave": (1.0, 1.2), "velocity_surge": (0.5, 0.7)},
 )
