@@ -218,7 +218,7 @@ def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 
 def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = ["--out", str(tmp_path)]
-    assert main(["response", "sea_cliff", *out]) == 2
+    assert main(["response", "slender_yaw", *out]) == 2
     assert "no tow" in capsys.readouterr().err
     assert main(["response", "tow_600ft", "--set", "tow.body_lift=90000", *out]) == 2
     assert "buoyant" in capsys.readouterr().err
