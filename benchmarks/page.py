@@ -40,6 +40,7 @@ BENCHMARKS = (
         ("step",),
     ),
     Benchmark("cable", "Tow cable, beside MoorDyn", (MOORDYN,), (Curves("^(CPU )?ms per", "^error"),)),
+    Benchmark("wire", "The nonlinear wire, beside MoorDyn", (MOORDYN,), (Curves("^ms a", "^error of the pull"),)),
     Benchmark(
         "native", "Native units",
         (Column("^over (Python|bare)", "less"), MOORDYN, Column("^ratio$", "more")), (Curves("^(CPU )?ms per", "^error"),),

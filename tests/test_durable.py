@@ -22,6 +22,7 @@ from towage.errors import FileError, RunError, TowageError
 from towage.files import claimed, clear, cut, in_use, scratch, sealed, unsealed
 from towage.master import checkpoint, simulation
 from towage.master.master import run_resolved
+from towage.master.recorder import record_of
 from towage.process import stop
 from towage.process.child import Died, Hung, converse
 from towage.process.overseer import Limits
@@ -94,7 +95,7 @@ def test_checkpoints_that_do_not_fit_are_refused(tmp_path: Path, monkeypatch: py
     again = run_resolved(resolved, None, journal, resume=True)
     held = read_at(journal)
     assert again.status == "done" and held.lost == 0
-    assert held.columns()[0].tobytes() == again.time.tobytes()
+    assert record_of(held)[0].tobytes() == again.time.tobytes()
 
 
 # ---- the commands -------------------------------------------------------------------------------------------------------

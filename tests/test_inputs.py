@@ -50,6 +50,7 @@ PERHAPS = {
     "ship_in_sea": {"wave_height", "wave_direction", "speed"},
     "tow_system": {"velocity_heave"},
     "tow_cable_nonlinear": {"velocity_heave"},
+    "wire": {"velocity_heave"},
     "tow_cable": {"top_velocity_heave"},
 }
 """Inputs that may have been forgotten: a warning. All others have a meaning when they are left open."""

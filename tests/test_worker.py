@@ -21,7 +21,7 @@ from msgspec.structs import replace
 from tests.held_clock import ANNOUNCE, HUNG, HeldClock, hold
 from towage.errors import FmuError, RunError, SceneError, TowageError
 from towage.master.master import Master
-from towage.master.recorder import Recorder
+from towage.master.recorder import Recorder, record_of
 from towage.process import child, worker
 from towage.process.child import POLL, Died, converse
 from towage.process.worker import check_isolated, run_isolated
@@ -379,15 +379,15 @@ class MovedOnceHeard(child.Clock):
 
 def test_journal_holds_every_row_at_once(tmp_path: Path) -> None:
     names, path = ["a.x", "a.y"], tmp_path / "journal"
-    recorder = Recorder(names, Journal(path, names, {"title": "five rows"}))
+    recorder = Recorder(names, Journal(path, names, {"title": "five rows"}, 0.2), 0.2)
     for k in range(5):
-        recorder.row(0.1 * k, [[float(k), math.pi]], recorded=k != 2)
+        recorder.row(0.1 * k, [[float(k), math.pi]])
     recorder.event(Event(0.4, "a", "slack", -1))
     kept = read_at(path)  # not closed
     assert (kept.about, kept.names, kept.lost) == ({"title": "five rows"}, names, 0)
-    times, columns = kept.columns()
+    times, columns = record_of(kept)
     assert times.tobytes() == recorder.columns()[0].tobytes()
-    assert columns["a.x"].tolist() == [0.0, 1.0, 3.0, 4.0]
+    assert columns["a.x"].tolist() == [0.0, 2.0, 4.0] and len(kept.rows) == 5
     assert kept.events == [Event(0.4, "a", "slack", -1)]
     recorder.close()
     whole = path.read_bytes()

@@ -35,10 +35,11 @@ RUNTIME = Path(__file__).resolve().parent / "runtime"
 
 
 def runtime_sources(fmi: int) -> dict[str, bytes]:
-    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, and those that are
-    made from Python. The archive has them in one folder: FMI 2 names files in ``sources/`` alone."""
-    other = "fmi3" if fmi == 2 else "fmi2"
-    files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name != other)
+    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI and without
+    ``chain``, which no unit uses yet, and those that are made from Python. The archive has them in one folder: FMI 2 names files
+    in ``sources/`` alone."""
+    left_out = ("fmi3" if fmi == 2 else "fmi2", "chain")
+    files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name not in left_out)
     made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
     return {file.name: file.read_bytes() for file in files} | made
 

@@ -218,7 +218,7 @@ def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 
 def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = ["--out", str(tmp_path)]
-    assert main(["response", "sea_cliff", *out]) == 2
+    assert main(["response", "slender_yaw", *out]) == 2
     assert "no tow" in capsys.readouterr().err
     assert main(["response", "tow_600ft", "--set", "tow.body_lift=90000", *out]) == 2
     assert "buoyant" in capsys.readouterr().err
@@ -241,3 +241,12 @@ def test_heavy_weather_runs_near_slack() -> None:
     # slack is predicted at 6.0 m by the linear model and at 6.3 m at the ends by an independent program
     assert 0.0 <= result.columns["tow.tension_least"].min() < 600.0
     assert np.all(np.isfinite(result.columns["tow.tension_top"]))
+
+
+def test_deep_lift_swings_more_than_its_spring() -> None:
+    """Near resonance: valid, and the tension at the top at least five times EA/L times the heave."""
+    result = Master(Scene.load("deep_lift"), flavour="python").run()
+    assert result.verdict is not None and result.verdict.word == "valid"
+    tension = result.columns["wire.tension_top"][result.time > 60.0]
+    assert 0.5 * np.ptp(tension) > 5.0 * 5e8 / 2500.0 * 0.2
+    assert result.columns["wire.length"][-1] == pytest.approx(2420.0 + 0.5 * 200.0)

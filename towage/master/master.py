@@ -148,7 +148,8 @@ def _coupled_run(
         begin_at = functools.partial(thaw, data=found, kept=kept)
     elif journal and keeper:
         keeper.path.unlink(missing_ok=True)  # one that is left is of the journal that ends here
-        recorder.journal = Journal(journal, recorder.names, result.metadata())
+        about = result.metadata()
+        recorder.journal = Journal(journal, recorder.names, about, recorder.interval, recorder.held)
     listen(system, recorder.message, kept.messages if kept else None)
     try:
         report = stages.progress(MAIN, settings.stop_time)

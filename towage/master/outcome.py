@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from towage.master.recorder import record_of, texts_at
 from towage.master.system import System
 from towage.result.journal import Kept
 from towage.result.records import Finding, Verdict
@@ -31,10 +32,10 @@ def recovered(kept: Kept, message: str) -> Result:
     result = Result.from_metadata(kept.about)
     lost = f"; the last {kept.lost} bytes of its journal are no whole rows" if kept.lost else ""
     fail(result, message + lost)
-    result.time, columns = kept.columns()
+    result.time, columns = record_of(kept)
     result.columns = {name: columns[name] for name in result.units if name in columns}
     result.events, result.messages = kept.events, kept.messages
-    result.texts = kept.text_columns(result.time)
+    result.texts = texts_at(kept.texts, result.time)
     return result
 
 

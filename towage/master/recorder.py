@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.checks.track import SAME_TIME, Track, comparison_times
-from towage.result.journal import Journal, texts_at
+from towage.result.journal import Journal, Kept
 from towage.result.result import Event
 from towage.units.log import Message
 
 if TYPE_CHECKING:
     from towage.master.simulation import Settings
     from towage.master.system import System
+
+Array = NDArray[np.float64]
 
 
 class Recorder:
@@ -37,7 +39,7 @@ class Recorder:
         self.names = list(names)
         self.texts: dict[str, list[tuple[float, str]]] = {name: [] for name in texts}
         self.data = array("d")
-        self._interval, self._held, self._rows = interval, frozenset(held), 0
+        self.interval, self.held, self._rows = interval, frozenset(held), 0
         self.journal = journal
 
     def row(self, time: float, values: Sequence[Sequence[float]]) -> None:
@@ -47,17 +49,17 @@ class Recorder:
         for part in values:
             self.data.extend(part)
         if self.journal:
-            recorded = not self._interval or time >= self._rows * self._interval - SAME_TIME * (1.0 + time)
+            recorded = not self.interval or time >= self._rows * self.interval - SAME_TIME * (1.0 + time)
             if recorded:
                 self._count(time)
             self.journal.row(self.data[begin:].tobytes(), recorded)
 
     def _count(self, time: float) -> None:
         """The next record time is the first after ``time``, s."""
-        if self._interval:
-            self._rows = int(time / self._interval + SAME_TIME) + 1
+        if self.interval:
+            self._rows = int(time / self.interval + SAME_TIME) + 1
 
-    def go_on(self, rows: NDArray[np.float64]) -> None:
+    def go_on(self, rows: Array) -> None:
         """Begin with the rows of an earlier part of the run, shape (n, 1 + names)."""
         self.data.frombytes(np.ascontiguousarray(rows).tobytes())
         if len(rows):
@@ -91,24 +93,44 @@ class Recorder:
 
     def track(self) -> Track:
         """All rows."""
-        return Track(*_columns(np.array(self.data), self.names), self._held)
+        return Track(*_columns(np.array(self.data), self.names), self.held)
 
-    def columns(
-        self, track: Track | None = None, records_end: bool = False
-    ) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    def columns(self, track: Track | None = None, records_end: bool = False) -> tuple[Array, dict[str, Array]]:
         """(times, columns by name) at the record times as far as the run came, out of ``track``, which is `track()`;
         ``records_end``: and where it ended."""
-        track = track or self.track()
-        if not self._interval or not len(track.time):
-            return track.time, dict(track.columns)
-        time, end = comparison_times(float(track.time[-1]), self._interval), float(track.time[-1])
-        if records_end and end - time[-1] > SAME_TIME * (1.0 + end):
-            time = np.append(time, end)
-        return time, {name: track.at(name, time) for name in track.columns}
+        return recorded(track or self.track(), self.interval, records_end)
 
-    def text_columns(self, times: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
+    def text_columns(self, times: Array) -> dict[str, NDArray[Any]]:
         """The columns of texts at ``times``, s: each keeps its text until the next change."""
-        return {name: column for name, changes in self.texts.items() if (column := texts_at(changes, times)) is not None}
+        return texts_at(self.texts, times)
+
+
+def recorded(track: Track, interval: float | None, records_end: bool = False) -> tuple[Array, dict[str, Array]]:
+    """(times, columns by name) of a run at its record times, ``interval`` s apart, as far as it came; ``records_end``: and
+    where it ended."""
+    if not interval or not len(track.time):
+        return track.time, dict(track.columns)
+    end = float(track.time[-1])
+    time = comparison_times(end, interval)
+    if records_end and end - time[-1] > SAME_TIME * (1.0 + end):
+        time = np.append(time, end)
+    return time, {name: track.at(name, time) for name in track.columns}
+
+
+def record_of(kept: Kept) -> tuple[Array, dict[str, Array]]:
+    """(times, columns by name) of the record that a journal holds."""
+    return recorded(Track(*_columns(kept.rows.ravel(), kept.names), kept.held), kept.interval)
+
+
+def texts_at(texts: Mapping[str, Sequence[tuple[float, str]]], times: Array) -> dict[str, NDArray[Any]]:
+    """The columns of ``texts`` at ``times``, s; of each column, from when (s) it has which text."""
+    columns = {}
+    for name, changes in texts.items():
+        if changes:
+            begins = np.array([time for time, _ in changes])
+            at = np.searchsorted(begins, times + SAME_TIME * (1.0 + np.abs(times)), side="right") - 1
+            columns[name] = np.array([text for _, text in changes])[np.maximum(at, 0)]
+    return columns
 
 
 def recorder_of(system: System, settings: Settings) -> Recorder:
@@ -123,7 +145,7 @@ def recorder_of(system: System, settings: Settings) -> Recorder:
     return Recorder(names, None, settings.record_interval, held, [name for name in words if name in recorded])
 
 
-def _columns(data: NDArray[np.float64], names: list[str]) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+def _columns(data: Array, names: list[str]) -> tuple[Array, dict[str, Array]]:
     width = len(names) + 1
     rows = data[: len(data) - len(data) % width].reshape(-1, width)
     return rows[:, 0].copy(), {name: rows[:, k + 1].copy() for k, name in enumerate(names)}

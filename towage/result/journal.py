@@ -14,7 +14,7 @@ import json
 import os
 import zlib
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,9 +29,7 @@ from towage.files import sealed, unsealed
 from towage.result.records import Event
 from towage.units.log import Message
 
-FORMAT = 1
-SAME_TIME = 1e-9
-"""Times closer than this, relative to 1 s + their size, are one."""
+FORMAT = 2
 _SAID = (b"E", b"M", b"T")
 """Tags of frames of JSON."""
 LONGEST_HEAD = 1 << 24
@@ -41,14 +39,19 @@ Array = NDArray[np.float64]
 
 class Journal:
     """A journal that is written, at ``path``. ``names``: unit.variable, in the order of the values of a row; ``about``:
-    `towage.result.result.Result.metadata`, None for a
-    journal that is gone on with. A disk that becomes full costs the journal, not the run."""
+    `towage.result.result.Result.metadata`, None for a journal that is gone on with; ``interval`` between record times, s, and
+    ``held``, the names that change at events only, tell how the record is read off the rows. A disk that becomes full costs the
+    journal, not the run."""
 
-    def __init__(self, path: Path, names: Sequence[str], about: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, path: Path, names: Sequence[str], about: Mapping[str, Any] | None = None, interval: float | None = None,
+        held: Iterable[str] = (),
+    ) -> None:  # fmt: skip
         self._waiting = bytearray()
         self._file: IO[bytes] | None = open(path, "ab" if about is None else "wb", buffering=0)  # noqa: SIM115
         if about is not None:
-            self._put(sealed({"journal": FORMAT, "names": list(names), "about": about}))
+            head = {"journal": FORMAT, "names": list(names), "interval": interval, "held": sorted(held), "about": about}
+            self._put(sealed(head))
 
     def row(self, row: bytes, recorded: bool) -> None:
         """Keep a row; one that is not recorded waits for the next that is."""
@@ -109,35 +112,18 @@ class Journal:
 
 @dataclass(frozen=True)
 class Kept:
-    """What a journal holds. ``rows``: shape (n, 1 + names), time first; ``recorded``: of every row, whether the scene
-    records it; ``texts``: of every column of texts, from when (s) it has which; ``lost``: bytes that are no whole frames."""
+    """What a journal holds: its head, as `Journal`, and ``rows``, shape (n, 1 + names), time first; ``texts``: of every
+    column of texts, from when (s) it has which; ``lost``: bytes that are no whole frames."""
 
     names: list[str]
     about: dict[str, Any]
+    interval: float | None
+    held: frozenset[str]
     rows: Array
-    recorded: NDArray[np.bool_]
     events: list[Event]
     messages: list[Message]
     texts: dict[str, list[tuple[float, str]]]
     lost: int
-
-    def columns(self) -> tuple[Array, dict[str, Array]]:
-        """(times, columns by name) of the rows that the scene records."""
-        rows = self.rows[self.recorded]
-        return rows[:, 0].copy(), {name: rows[:, k + 1].copy() for k, name in enumerate(self.names)}
-
-    def text_columns(self, times: Array) -> dict[str, NDArray[Any]]:
-        """The columns of texts at ``times``, s."""
-        return {name: column for name, changes in self.texts.items() if (column := texts_at(changes, times)) is not None}
-
-
-def texts_at(changes: Sequence[tuple[float, str]], times: Array) -> NDArray[Any] | None:
-    """The texts at ``times`` (s) of a column that has each from its time on, None where it has none."""
-    if not changes:
-        return None
-    begins = np.array([time for time, _ in changes])
-    at = np.searchsorted(begins, times + SAME_TIME * (1.0 + np.abs(times)), side="right") - 1
-    return np.array([text for _, text in changes])[np.maximum(at, 0)]
 
 
 def read(file: IO[bytes]) -> Kept | None:
@@ -145,14 +131,16 @@ def read(file: IO[bytes]) -> Kept | None:
     try:
         file.seek(0)
         head = unsealed(file.readline(LONGEST_HEAD))
-        names, about = head["names"], head["about"]
+        names, about, interval, held = head["names"], head["about"], head["interval"], frozenset(head["held"])
         if head["journal"] != FORMAT or not isinstance(about, dict) or not all(isinstance(n, str) for n in names):
+            return None
+        if interval is not None and not float(interval) > 0.0:
             return None
     except (OSError, ValueError, KeyError, TypeError):
         return None
     begin, size = file.tell(), os.fstat(file.fileno()).st_size
-    rows, recorded, place = array("d"), array("b"), begin
-    kept = Kept(names, about, np.empty(0), np.empty(0, dtype=bool), [], [], {}, 0)
+    rows, place = array("d"), begin
+    kept = Kept(names, about, interval, held, np.empty(0), [], [], {}, 0)
     while frame := _frame(file, 8 * (1 + len(names))):
         tag, content = frame
         if tag in _SAID:
@@ -162,10 +150,9 @@ def read(file: IO[bytes]) -> Kept | None:
                 break
         else:
             rows.frombytes(content)
-            recorded.append(tag == b"R")
         place = file.tell()
     shaped = np.array(rows).reshape(-1, 1 + len(names))
-    return replace(kept, rows=shaped, recorded=np.array(recorded, dtype=bool), lost=size - place)
+    return replace(kept, rows=shaped, lost=size - place)
 
 
 def _take(kept: Kept, tag: bytes, said: Any) -> None:

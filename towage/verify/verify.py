@@ -27,14 +27,16 @@ from towage.verify import cable as verify_cable
 from towage.verify import cradle as verify_cradle
 from towage.verify import sea as verify_sea
 from towage.verify import slender as verify_slender
+from towage.verify import wire as verify_wire
+from towage.verify import wire_motion as verify_wire_motion
 
 DEFAULT_RTOL = 1e-8
-OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json")
+OWN_FILES = ("cradle.json", "cable.json", "sea_and_route.json", "slender.json", "wire.json")
 """The project's own copies, in ``towage/reference``."""
 
 SOLVERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]] = {
     **verify_cradle.SOLVERS, **verify_cable.SOLVERS, **verify_sea.SOLVERS,
-    **verify_slender.SOLVERS,
+    **verify_slender.SOLVERS, **verify_wire.SOLVERS, **verify_wire_motion.SOLVERS,
 }  # fmt: skip
 """The function that computes a kind of case: (inputs, expected) -> values."""
 

@@ -1,0 +1,195 @@
+"""Nonlinear wire: towpoint velocity and winch speed in, pull on the towpoint and motion of the body out.
+
+    R_i(r, u, u') = 0 at free nodes,   r' = u,   pull on the ship = -R at the top             (``cable/wire/chain.py``)
+
+From hanging at rest to towing in a turn, in the vertical plane or in space: one elastic wire, a tail below it, a clump at
+their joint, a body at the end, current that falls with depth, wire paid out or hauled in. The frame moves with ``tow_speed``;
+x forward, y to port, z up, the towpoint at z = 0 at rest. A communication step is divided into implicit steps by their error.
+
+States: positions, velocities, accelerations of the nodes; the next internal step; where the kept factors were made; the
+accelerations before the last step; wire paid out; displacement of the towpoint. They are all there is: a state that is set
+back goes on to the last bit as before.
+
+Assumptions: those of ``cable/wire/point.py``; (6) no surface and no bottom; (7) the body is a point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...numeric.arrays import Array
+from ...numeric.ops import Ops
+from ...protocol.model import Model, Requirement, remembered
+from ..case import CableError
+from ..parameters import integral, refusal_by
+from ..wire.chain import Chain, Drive
+from ..wire.grading import MOST_ELEMENTS, graded_mesh
+from ..wire.rest import Frame, equilibrium, march
+from ..wire.stepper import State, Stepper
+from . import wire_ports
+from .wire_ports import Calculated, Inputs, Modes, Outputs, Parameters, flow_of, wire_of
+
+
+def requirements(p: Parameters, ops: Ops) -> Sequence[Requirement]:
+    """What the parameters must fulfil."""
+    return wire_ports.requirements(p, ops)
+
+
+class Prepared(NamedTuple):
+    """The chain and its stepper; the steady nodes (n, d), needed forces, N, tensions (least, largest, at the body), N; error
+    of the mesh at rest."""
+
+    chain: Chain
+    stepper: Stepper
+    nodes: Array
+    needed: Array
+    tensions: tuple[float, float, float]
+    error: float
+
+
+@remembered
+def prepare(p: Parameters) -> Prepared:
+    """What follows from the parameters. Raises `CableError`."""
+    wire, flow = wire_of(p), flow_of(p)
+    d = flow.velocity.shape[1]
+    zero = np.zeros(d)
+    # the frame of the flow is that of the tow: at rest nothing moves in it
+    frame, degree, count = Frame(zero), int(p.degree), int(p.elements)
+    shape = march(wire, flow, frame, d)
+    graded = graded_mesh(wire, shape, degree, count, p.tolerance)
+    if not count and graded.error > p.tolerance:
+        more = math.ceil(MOST_ELEMENTS * (graded.error / p.tolerance) ** (1.0 / (degree + 1.0)))
+        raise CableError(
+            f"elements: {MOST_ELEMENTS} of degree {degree} leave an error of {graded.error:.2g} of the length, about {more} "
+            f"would reach tolerance = {p.tolerance:g}: raise degree or tolerance"
+        )
+    chain = Chain(wire, graded.mesh, flow, d)
+    nodes = equilibrium(chain, frame, shape.position(graded.mesh.places))
+    drive, still = Drive(zero, zero, zero), np.zeros_like(nodes)
+    sizes = np.linalg.norm(chain.pulls(nodes, still, still, drive), axis=2)
+    return Prepared(
+        chain, Stepper(chain, p.velocity_tolerance, p.largest_step), nodes, chain.needed(nodes, still, still, drive),
+        (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), graded.error,
+    )  # fmt: skip
+
+
+def _packed(state: State, paid: float, top: Array) -> tuple[float, ...]:
+    """The state of the unit."""
+    zero = np.zeros_like(state.position)
+    made = state.made or (zero, zero, zero, 0.0, (0.0, 0.0, 0.0))
+    before = state.before or (0.0, zero)
+    vectors = (state.position, state.velocity, state.acceleration, *made[:3], before[1])
+    return (
+        *np.concatenate([x.ravel() for x in vectors]).tolist(), state.step, made[3], *made[4], before[0], paid, *top.tolist(),
+    )  # fmt: skip
+
+
+def _unpacked(x: Sequence[float], nodes: int, d: int) -> tuple[State, float, Array]:
+    """(State, wire paid out, displacement of the towpoint)."""
+    size = nodes * d
+    r, u, b, made_r, made_u, made_b, before = np.array(x[: 7 * size]).reshape(7, nodes, d)
+    step, weight, paid0, paid1, paid2, before_step, paid, *top = x[7 * size :]
+    made = (made_r, made_u, made_b, weight, (paid0, paid1, paid2)) if weight > 0.0 else None
+    state = State(r, u, b, step, made, (before_step, before) if before_step > 0.0 else None)
+    return state, paid, np.array(top)
+
+
+def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
+    """The steady tow."""
+    nodes = prepare(p).nodes
+    zero = np.zeros_like(nodes)
+    return _packed(State(nodes, zero, zero), 0.0, zero[0]), Modes()
+
+
+def _vectors(u: Inputs | Sequence[Any], d: int) -> tuple[list[Any], Any, list[Any]]:
+    """(Velocity of the towpoint, winch speed, force on the body): inputs, or their cubics, by component."""
+    surge, sway, heave, payout, force_surge, force_sway, force_heave = u
+    if d == 3:
+        return [surge, sway, heave], payout, [force_surge, force_sway, force_heave]
+    return [surge, heave], payout, [force_surge, force_heave]
+
+
+def _value(c: Sequence[float], s: float) -> float:
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+
+
+def _rate(c: Sequence[float], s: float) -> float:
+    return c[1] + s * (2.0 * c[2] + s * 3.0 * c[3])
+
+
+def advance(
+    t: float, h: float, x: Sequence[float], m: Modes, cubics: Inputs, p: Parameters, ops: Ops
+) -> tuple[float, ...]:
+    """Step of length ``h``, s. Raises `CableError` where an implicit step fails."""
+    prepared = prepare(p)
+    d = prepared.chain.dimensions
+    state, paid, top = _unpacked(x, prepared.chain.mesh.nodes, d)
+    velocity, winch, force = _vectors(cubics, d)
+
+    def motion(s: float) -> Drive:
+        return Drive(
+            top + np.array([integral(s, c) for c in velocity]), np.array([_value(c, s) for c in velocity]),
+            np.array([_rate(c, s) for c in velocity]), (paid + integral(s, winch), _value(winch, s), _rate(winch, s)),
+            np.array([_value(c, s) for c in force]),
+        )  # fmt: skip
+
+    state = prepared.stepper.advance(0.0, h, state, motion)
+    return _packed(state, paid + integral(h, winch), motion(h).position)
+
+
+def outputs(
+    t: float, x: Sequence[float], m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops
+) -> Outputs:
+    """All observables."""
+    prepared = prepare(p)
+    chain, d = prepared.chain, prepared.chain.dimensions
+    state, paid, top = _unpacked(x, chain.mesh.nodes, d)
+    velocity, winch, force = _vectors(u, d)
+    change, winch_change, _ = _vectors(du, d)
+    drive = Drive(top, np.array(velocity), np.array(change), (paid, winch, winch_change), np.array(force))
+    r, v, a = state.position, state.velocity.copy(), state.acceleration.copy()
+    v[-1], a[-1] = drive.velocity, drive.acceleration
+    needed = chain.needed(r, v, a, drive)[-1]
+    sizes = np.linalg.norm(chain.pulls(r, v, a, drive), axis=2)
+    least, most = float(sizes.min()), float(sizes.max())
+    away, moved, excess = r[0] - top, r[0] - prepared.nodes[0], needed - prepared.needed[-1]
+
+    def side(vector: Array) -> float:
+        """Component to port; a plane has none."""
+        return float(vector[1]) if d == 3 else 0.0
+
+    error = chain.shape_error(r, drive.paid)
+    speed = (float(v[0, 0]), side(v[0]), float(v[0, -1]))
+    return Outputs(
+        float(excess[0]), side(excess), float(excess[-1]), float(np.linalg.norm(needed)), float(sizes[0, 0]), least, most,
+        math.atan2(float(needed[-1]), math.hypot(float(needed[0]), side(needed))), -float(r[0, -1]), -float(away[0]),
+        side(away), float(moved[0]), side(moved), float(moved[-1]), *speed, chain.wire.length + paid,
+        min(1.0, least / prepared.tensions[0]),
+        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], 1e-9) if p.breaking_load > 0.0 else 1.0,
+        1.0 - error / p.tolerance, *speed,
+    )  # fmt: skip
+
+
+def calculated(p: Parameters, ops: Ops) -> Calculated:
+    """Of the steady tow; ``port_mass``: of the node at the top, in heave."""
+    prepared = prepare(p)
+    chain, still = prepared.chain, np.zeros_like(prepared.nodes)
+    mass = chain.derivatives(prepared.nodes, still, still)[2]
+    return Calculated(
+        float(mass[-1, -1, -1, -1, -1]), float(np.linalg.norm(prepared.needed[-1])), prepared.tensions[2],
+        -float(prepared.nodes[0, -1]), float(len(chain.mesh.lengths)), prepared.error,
+    )  # fmt: skip
+
+
+WIRE = Model(
+    "wire",
+    "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space",
+    Parameters, None, Modes, Inputs, Outputs, Calculated,
+    initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
+    refusal=refusal_by(prepare),
+    floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
+)  # fmt: skip

@@ -1,0 +1,202 @@
+"""Ports of the unit ``wire``: parameters, inputs, outputs; what they describe in the terms of ``cable/wire``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ...numeric.ops import Ops, Value
+from ...protocol.model import Requirement
+from ...protocol.physical import liquid, weight_below_gravity
+from ...protocol.variables import Quantity, Rate, calculated_parameter, input_variable, margin, output, parameter
+from ..loading import eames
+from ..wire.parts import PLANE, SPACE, Flow, Mass, Section, Wire, cross_flow_section
+from .ports import SteadyTensionBody, SteadyTensionTop
+
+VELOCITIES = ("velocity_surge", "velocity_sway", "velocity_heave", "payout_speed")
+FORCES = ("body_force_surge", "body_force_sway", "body_force_heave")
+ALL = (*VELOCITIES, *FORCES)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The wire from the towpoint down, a tail behind it (an array, a drogue line), a clump at their joint, the body at the
+    end, the water; and how the wire is divided in space and time. SI."""
+
+    tow_speed: Annotated[Value, parameter("m/s", 3.0, "Speed of the towing frame; 0: hanging", display="kn", min=0.0)]
+    water_density: Annotated[Value, parameter("kg/m3", 1025.0, "Density of the water", min=0.0)]
+    in_space: Annotated[Value, parameter("1", 0.0, "1: in space; 0: in the vertical plane of towing", min=0.0, max=1.0)]
+    loading_form: Annotated[Value, parameter("1", 1.0, "0: Eames (friction); 1: cross-flow", min=0.0, max=1.0)]
+    wire_length: Annotated[Value, parameter("m", 150.0, "Unstretched length at the start", display="ft", min=1e-3)]
+    wire_mass: Annotated[Value, parameter("kg/m", 0.6, "Mass per length", min=1e-9)]
+    wire_weight: Annotated[Value, parameter("N/m", 4.75, "Weight in water per length")]
+    wire_diameter: Annotated[Value, parameter("m", 0.012, "Diameter", display="mm", min=0.0)]
+    wire_axial_stiffness: Annotated[Value, parameter("N", 8e6, "Axial stiffness EA", min=1e-9)]
+    wire_normal_drag: Annotated[Value, parameter("1", 1.5, "Drag coefficient across the wire", min=0.0)]
+    wire_tangential_drag: Annotated[
+        Value, parameter("1", 0.01, "Cdt of the cross-flow form (times pi d), or Eames' friction f", min=0.0)
+    ]
+    wire_damping: Annotated[Value, parameter("N.s", 0.0, "Internal damping, acts in tension", min=0.0)]
+    breaking_load: Annotated[Value, parameter("N", 0.0, "Breaking load of the wire; 0: not known", min=0.0)]
+    added_mass_coefficient: Annotated[Value, parameter("1", 1.0, "Added mass over displaced mass, wire and tail", min=0.0)]
+    tail_length: Annotated[Value, parameter("m", 0.0, "Length of the tail below the wire; 0: none", min=0.0)]
+    tail_mass: Annotated[Value, parameter("kg/m", 1.29, "Mass per length of the tail", min=1e-9)]
+    tail_weight: Annotated[Value, parameter("N/m", 0.0, "Weight in water per length of the tail")]
+    tail_diameter: Annotated[Value, parameter("m", 0.04, "Diameter of the tail", display="mm", min=0.0)]
+    tail_axial_stiffness: Annotated[Value, parameter("N", 2e6, "Axial stiffness EA of the tail", min=1e-9)]
+    tail_normal_drag: Annotated[Value, parameter("1", 1.2, "Drag coefficient across the tail", min=0.0)]
+    tail_tangential_drag: Annotated[Value, parameter("1", 0.0035, "As of the wire", min=0.0)]
+    clump_mass: Annotated[Value, parameter("kg", 0.0, "Mass at the joint of wire and tail", min=0.0)]
+    clump_added_mass: Annotated[Value, parameter("kg", 0.0, "Its added mass", min=0.0)]
+    clump_weight: Annotated[Value, parameter("N", 0.0, "Its weight in water; a buoy: negative")]
+    clump_drag_area: Annotated[Value, parameter("m2", 0.0, "Its drag area", min=0.0)]
+    body_mass: Annotated[Value, parameter("kg", 800.0, "Mass of the body", min=0.0)]
+    body_added_mass: Annotated[Value, parameter("kg", 300.0, "Its added mass", min=0.0)]
+    body_weight: Annotated[Value, parameter("N", 5000.0, "Its weight in water")]
+    body_drag_area: Annotated[Value, parameter("m2", 0.3, "Its drag area", min=0.0)]
+    current_surge: Annotated[Value, parameter("m/s", 0.0, "Current at the towpoint, along the towing direction")]
+    current_sway: Annotated[Value, parameter("m/s", 0.0, "Current at the towpoint, to port; needs in_space")]
+    current_depth: Annotated[
+        Value, parameter("m", 0.0, "Depth below the towpoint at which the current has ended, falling linearly; 0: never", min=0.0)
+    ]
+    elements: Annotated[Value, parameter("1", 0.0, "Number of elements; 0: as many as tolerance needs", min=0.0, max=400.0)]
+    degree: Annotated[Value, parameter("1", 4.0, "Degree of the elements; 1: lumped masses", min=1.0, max=6.0)]
+    tolerance: Annotated[
+        Value, parameter("1", 1e-4, "Error of the shape by the elements over the length", min=1e-10, max=0.1)
+    ]
+    velocity_tolerance: Annotated[
+        Value, parameter("m/s", 1e-3, "Error of the velocities in an internal step", min=1e-9, max=1.0)
+    ]
+    largest_step: Annotated[Value, parameter("s", 2.0, "Largest internal step", min=1e-6)]
+
+
+class Modes(NamedTuple):
+    """No branches."""
+
+
+def _force(direction: str) -> Quantity:
+    return input_variable("N", f"Force on the body, {direction}", unset="no force but weight, drag and the wire's")
+
+
+class Inputs(NamedTuple):
+    """Velocity of the towpoint in the towing frame, winch speed, forces on the body."""
+
+    velocity_surge: Annotated[
+        Value,
+        input_variable(
+            "m/s", "Velocity of the towpoint in the towing frame, forward", unset="the towpoint does not surge"
+        ),
+    ]
+    velocity_sway: Annotated[Value, input_variable("m/s", "Velocity of the towpoint, to port", unset="no sway")]
+    velocity_heave: Annotated[Value, input_variable("m/s", "Velocity of the towpoint, up")]
+    payout_speed: Annotated[
+        Value, input_variable("m/s", "Speed at which wire is paid out at the top; hauling: negative", unset="the winch is held")
+    ]
+    body_force_surge: Annotated[Value, _force("forward")]
+    body_force_sway: Annotated[Value, _force("to port")]
+    body_force_heave: Annotated[Value, _force("up")]
+
+
+class Outputs(NamedTuple):
+    """Forces, tensions, angles, places; ``*_rate`` of what other units take."""
+
+    reaction_surge: Annotated[
+        Value, output("N", "Excess of the wire's pull over its steady value, aft on the towpoint", also=VELOCITIES)
+    ]
+    reaction_sway: Annotated[
+        Value, output("N", "Excess of the wire's pull over its steady value, to starboard on the towpoint", also=VELOCITIES)
+    ]
+    reaction_heave: Annotated[
+        Value, output("N", "Excess of the wire's pull over its steady value, down on the towpoint", also=VELOCITIES)
+    ]
+    tension_top: Annotated[Value, output("N", "Tension at the towpoint", also=VELOCITIES)]
+    tension_body: Annotated[Value, output("N", "Tension at the body", also=FORCES)]
+    tension_least: Annotated[Value, output("N", "Least tension in the wire", also=ALL)]
+    tension_most: Annotated[Value, output("N", "Largest tension in the wire", also=ALL)]
+    angle_top: Annotated[
+        Value, output("rad", "Angle of the wire at the towpoint below the horizontal", display="deg", also=VELOCITIES)
+    ]
+    depth: Annotated[Value, output("m", "Depth of the body below the towpoint's mean height")]
+    layback: Annotated[Value, output("m", "Distance of the body behind the towpoint")]
+    offset: Annotated[Value, output("m", "Distance of the body to port of the towpoint")]
+    body_surge: Annotated[Value, output("m", "Displacement of the body from the steady tow, forward")]
+    body_sway: Annotated[Value, output("m", "Displacement of the body from the steady tow, to port")]
+    body_heave: Annotated[Value, output("m", "Displacement of the body from the steady tow, up")]
+    body_velocity_surge: Annotated[Value, output("m/s", "Velocity of the body in the towing frame, forward")]
+    body_velocity_sway: Annotated[Value, output("m/s", "Velocity of the body, to port")]
+    body_velocity_heave: Annotated[Value, output("m/s", "Velocity of the body, up")]
+    length: Annotated[Value, output("m", "Unstretched length of wire and tail")]
+    margin_slack: Annotated[Value, margin("least tension over its steady value, at most 1", also=ALL)]
+    margin_breaking: Annotated[
+        Value, margin("(breaking load - largest tension) over its steady value; 1 where no breaking load is given", also=ALL)
+    ]
+    margin_resolution: Annotated[Value, margin("1 - error of the present shape by the elements / tolerance")]
+    body_surge_rate: Rate
+    body_sway_rate: Rate
+    body_heave_rate: Rate
+
+
+class Calculated(NamedTuple):
+    """Of the steady tow and its elements."""
+
+    port_mass: Annotated[Value, calculated_parameter("kg", "Mass of the wire at the towpoint's node")]
+    steady_tension_top: SteadyTensionTop
+    steady_tension_body: SteadyTensionBody
+    steady_depth: Annotated[Value, calculated_parameter("m", "Steady depth of the body")]
+    elements_used: Annotated[Value, calculated_parameter("1", "Number of elements")]
+    mesh_error: Annotated[Value, calculated_parameter("1", "Error of the steady shape by the elements over the length")]
+
+
+def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
+    """What the parameters must fulfil: weights below those in air, a known loading."""
+    form = ops.where(p.loading_form * (p.loading_form - 1.0) == 0.0, 1.0, 0.0)
+    found = [
+        weight_below_gravity(p.wire_weight, p.wire_mass, p.water_density, "wire_weight", "wire_mass", ops),
+        weight_below_gravity(p.tail_weight, p.tail_mass, p.water_density, "tail_weight", "tail_mass", ops),
+        weight_below_gravity(p.body_weight, p.body_mass, p.water_density, "body_weight", "body_mass", ops),
+        weight_below_gravity(p.clump_weight, p.clump_mass, p.water_density, "clump_weight", "clump_mass", ops),
+        liquid(p.water_density, ops),
+    ]
+    return [
+        (form, "loading_form: expected 0 (Eames) or 1 (cross-flow)"),
+        (
+            ops.where(p.in_space > 0.5, 1.0, ops.where(p.current_sway == 0.0, 1.0, 0.0)),
+            "current_sway pushes the wire out of the vertical plane: set in_space = 1",
+        ),
+        *found,
+    ]  # fmt: skip
+
+
+def wire_of(p: Parameters) -> Wire:
+    """The wire that the parameters describe. Raises `CableError`."""
+
+    def section(length: float, mass: float, weight: float, diameter: float, stiffness: float, normal: float,
+                along: float) -> Section:
+        drag, loading = (normal, eames(along)) if p.loading_form < 0.5 else cross_flow_section(normal, along)
+        return Section(length, mass, weight, diameter, stiffness, drag, loading, p.added_mass_coefficient, p.wire_damping)
+
+    sections: tuple[Section, ...] = (section(p.wire_length, p.wire_mass, p.wire_weight, p.wire_diameter, p.wire_axial_stiffness,
+                                             p.wire_normal_drag, p.wire_tangential_drag),)
+    clump = Mass(p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area)
+    clumps: tuple[tuple[float, Mass], ...] = ()
+    if p.tail_length > 0.0:
+        tail = section(p.tail_length, p.tail_mass, p.tail_weight, p.tail_diameter, p.tail_axial_stiffness,
+                       p.tail_normal_drag, p.tail_tangential_drag)
+        sections, clumps = (tail, *sections), ((p.tail_length, clump),)
+    body = Mass(p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area)
+    return Wire(sections, body, p.water_density, clumps)
+
+
+def flow_of(p: Parameters) -> Flow:
+    """Current in the towing frame."""
+    d = SPACE if p.in_space > 0.5 else PLANE
+    along, top = np.zeros(d), np.zeros(d)
+    along[0], top[0] = p.tow_speed, p.current_surge
+    if d == SPACE:
+        top[1] = p.current_sway
+    if p.current_depth == 0.0 or not math.hypot(p.current_surge, p.current_sway) > 0.0:
+        return Flow(np.zeros(1), (top - along)[None])
+    return Flow(np.array([-p.current_depth, 0.0]), np.array([-along, top - along]))

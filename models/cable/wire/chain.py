@@ -1,0 +1,276 @@
+"""A wire divided into elements: forces that its motion asks for, their derivatives, and what acts on its ends.
+
+    R_i = sum_q w_q D_qi n_q + w_i (l/2) q_i + fixtures        needed at node i; zero where nothing holds the node
+
+n and q are those of ``point.py`` at the nodes of the element, w and D those of ``elements.py``; l is the element's
+unstretched length, dr/ds = (2/l) D r. At the top, -R is the pull of the wire on the ship: the reaction of the weak form,
+which converges as fast as the shape does. EA times the strain of the last element does not.
+
+Payout: wire is added at the top of the last section, whose elements grow alike. A node moves over the material with
+sigma = x L' (x its share of the section), hence for velocity u = dr/dt and acceleration b of a node
+
+    v = u - sigma r',   a = b - 2 sigma u' + 2 sigma sigma' r' + sigma^2 r'' - x L'' r'       of the material, ' = d/ds
+
+Shapes: (n, d) at nodes, from the lower end; (E, p+1, d) at points of elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...numeric.arrays import AnyArray, Array
+from ...numeric.ops import Ops, arrays
+from ..case import CableError
+from .elements import Rule, rule
+from .mesh import Mesh
+from .parts import Flow, Wire
+from .point import Fixture, Material, Vector, fixture_load, load, pull
+
+STEP = 1e-150
+"""Complex step of derivatives, exact to rounding."""
+
+
+Paid = tuple[float, float, float]
+"""Wire paid out, m, its rate, m/s, and m/s2."""
+NOTHING_PAID: Paid = (0.0, 0.0, 0.0)
+
+
+class Drive(NamedTuple):
+    """What is done to the wire: motion of the top (and of a held lower end: ``lower`` = position, velocity, acceleration),
+    wire paid out, and force on the body, N. Vectors (d,)."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    paid: Paid = NOTHING_PAID
+    force: Array | None = None
+    lower: tuple[Array, Array, Array] | None = None
+
+
+def _components(vectors: AnyArray) -> Vector:
+    return tuple(np.moveaxis(vectors, -1, 0))
+
+
+def _legendre(k: int, points: Rule) -> Array:
+    """Row that takes values at points to the k-th Legendre coefficient, k below the degree."""
+    row: Array = (k + 0.5) * points.weights * np.polynomial.Legendre.basis(k)(points.points)
+    return row
+
+
+def _spread(material: Sequence[Material], section: AnyArray) -> Material:
+    return Material(*(np.array(column)[section][:, None] for column in zip(*material)))
+
+
+class Lengths(NamedTuple):
+    """Half of the elements' lengths, m, (E, 1); movement of points over the material: sigma, m/s, (E, p+1), its slope over s,
+    1/s, (E, 1), and its rate, m/s2."""
+
+    half: Array
+    slide: Array
+    slide_slope: Array
+    slide_rate: Array
+
+
+@dataclass(frozen=True)
+class Chain:
+    """``wire`` divided by ``mesh`` in water that moves with ``flow``; ``dimensions`` 2 or 3."""
+
+    wire: Wire
+    mesh: Mesh
+    flow: Flow
+    dimensions: int
+    ops: Ops = field(default_factory=arrays, compare=False)
+
+    @cached_property
+    def rule(self) -> Rule:
+        """Of its elements."""
+        return rule(self.mesh.degree)
+
+    @cached_property
+    def material(self) -> Material:
+        """Of its elements, (E, 1) each."""
+        return _spread([part.material(self.wire.density) for part in self.wire.sections], self.mesh.section)
+
+    @cached_property
+    def fixtures(self) -> tuple[AnyArray, Fixture]:
+        """(Nodes with something fixed to them; what)."""
+        parts = [] if self.wire.body is None else [(0.0, self.wire.body)]
+        parts += sorted(self.wire.clumps, key=lambda item: item[0])
+        nodes = np.array([int(np.abs(self.mesh.places - s).argmin()) for s, _ in parts], dtype=int)
+        found = [mass.fixture(self.wire.density, self.dimensions) for _, mass in parts]
+        masses = np.array([f.masses for f in found]).reshape(-1, self.dimensions)
+        return nodes, Fixture(_components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+
+    @cached_property
+    def free(self) -> slice:
+        """Nodes that nothing holds."""
+        return slice(1 if self.wire.body is None else 0, -1)
+
+    @cached_property
+    def _shares(self) -> Array:
+        """Share x of the last section below a point, (E, p+1); 0 below that section."""
+        last = self.wire.sections[-1].length
+        ends = np.concatenate([[0.0], np.cumsum(self.mesh.lengths)])
+        s = ends[:-1, None] + 0.5 * self.mesh.lengths[:, None] * (self.rule.points + 1.0)
+        return np.maximum(0.0, (s - (self.wire.length - last)) / last)
+
+    def lengths(self, paid: Paid = NOTHING_PAID) -> Lengths:
+        """With wire paid out. Raises `CableError` where the last section is hauled in."""
+        last = self.wire.sections[-1].length
+        added, rate, change = paid
+        if last + added <= 1e-3 * last:
+            raise CableError(f"the last section of {last:g} m is hauled in but for {last + added:.3g} m: give it more length")
+        grows = (self.mesh.section == len(self.wire.sections) - 1)[:, None]
+        factor = np.where(grows, 1.0 + added / last, 1.0)
+        slope = np.where(grows, rate / (last + added), 0.0)
+        return Lengths(0.5 * factor * self.mesh.lengths[:, None], rate * self._shares, slope, change * self._shares)
+
+    def gather(self, nodes: AnyArray) -> AnyArray:
+        """Values at nodes (n, d) -> at points (E, p+1, d)."""
+        p = self.mesh.degree
+        index = np.arange(0, p * len(self.mesh.lengths), p)[:, None] + np.arange(p + 1)
+        points: AnyArray = nodes[index]
+        return points
+
+    def scatter(self, points: Array) -> Array:
+        """Sums of points' values at nodes."""
+        p, d = self.mesh.degree, self.dimensions
+        total = np.zeros((self.mesh.nodes, d))
+        total[:-1] = points[:, :p].reshape(-1, d)
+        total[p::p] += points[:, p]
+        return total
+
+    def slope(self, points: Array, half: Array) -> Array:
+        """d/ds of points' values (E, p+1, d)."""
+        derivative: Array = (self.rule.slopes @ points) / half[:, :, None]
+        return derivative
+
+    def _material(self, r: Array, u: Array, b: Array, sizes: Lengths, paid: bool) -> tuple[Array, ...]:
+        """(g, its rate, velocity through the water, acceleration of the material) at points."""
+        places, v, a = self.gather(r), self.gather(u), self.gather(b)
+        g, rate = self.slope(places, sizes.half), self.slope(v, sizes.half)
+        if paid:
+            sigma = sizes.slide[:, :, None]
+            stretch_rate = sizes.slide_slope[:, :, None]
+            a = a - 2.0 * sigma * (rate - stretch_rate * g) + sigma**2 * self.slope(g, sizes.half)
+            a = a - sizes.slide_rate[:, :, None] * g
+            v = v - sigma * g
+            rate = rate - stretch_rate * g
+        flow = self.flow.at(places[..., -1].ravel())[0].reshape(v.shape)
+        return g, rate, v - flow, a
+
+    def _loads(self, r: Array, u: Array, b: Array, drive: Drive, sizes: Lengths) -> tuple[Array, Array]:
+        """(n, q) at points."""
+        g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, any(drive.paid[1:])))
+        n = np.stack(pull(g, rate, self.material, self.ops)[0], axis=-1)
+        return n, np.stack(load(g, v, a, self.material, self.ops), axis=-1)
+
+    def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
+        """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""
+        sizes = self.lengths(drive.paid)
+        q = self._loads(r, u, b, drive, sizes)[1]
+        within = sizes.half[:, :, None] * (self.rule.integrals @ q)
+        nodes, loads = self.fixture_loads(r, u, b, drive.force)
+        start = np.zeros((len(within), self.dimensions))
+        start[1:] = np.cumsum(within[:-1, -1], axis=0)
+        if self.wire.body is None:
+            start -= self.needed(r, u, b, drive)[0]
+        for node, weight in zip(nodes, loads):
+            start[node // self.mesh.degree :] += weight
+        total: Array = start[:, None, :] + within
+        return total
+
+    def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
+        """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes
+        taken as a geometric series, its next term; with degree 1 and 2, the last one, which is more than the error."""
+        sizes, p = self.lengths(paid), self.mesh.degree
+        g = self.slope(self.gather(r), sizes.half)
+        last, before = (
+            np.linalg.norm(_legendre(k, self.rule) @ g, axis=1) if k >= 0 else np.zeros(len(g)) for k in (p - 1, p - 2)
+        )
+        if p <= 2:
+            before = last
+        worst = (sizes.half[:, 0] * last * last / np.maximum(np.maximum(before, last), 1e-300)).max()
+        return float(worst) / (self.wire.length + paid[0])
+
+    def needed(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
+        """R, N, (n, d), for positions, velocities and accelerations of the nodes."""
+        sizes = self.lengths(drive.paid)
+        n, q = self._loads(r, u, b, drive, sizes)
+        weights = self.rule.weights
+        points = self.rule.slopes.T @ (weights[:, None] * n) + (weights * sizes.half)[:, :, None] * q
+        total = self.scatter(points)
+        nodes, loads = self.fixture_loads(r, u, b, drive.force)
+        total[nodes] += loads
+        return total
+
+    def fixture_loads(self, r: Array, u: Array, b: Array, force: Array | None) -> tuple[AnyArray, Array]:
+        """(Nodes, resisting loads on them, N): what is fixed to the wire."""
+        nodes, fixture = self.fixtures
+        if not len(nodes):
+            return nodes, np.zeros((0, self.dimensions))
+        v = u[nodes] - self.flow.at(r[nodes, -1])[0]
+        loads = np.stack(fixture_load(_components(v), _components(b[nodes]), fixture, self.ops), axis=-1)
+        if force is not None and self.wire.body is not None:
+            loads[0] -= force
+        return nodes, loads
+
+    def derivatives(self, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID) -> tuple[Array, Array, Array]:
+        """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
+        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration."""
+        sizes = self.lengths(paid)
+        d, p, e = self.dimensions, self.mesh.degree, len(self.mesh.lengths)
+        parts = self._material(r, u, b, sizes, any(paid[1:]))
+        # seeds: d of g, d of velocity and rate together (n knows no velocity, q no rate), d of acceleration
+        seeded = [np.repeat(x.astype(complex)[None], 3 * d, axis=0) for x in parts]
+        for k in range(d):
+            seeded[0][k, ..., k] += 1j * STEP
+            seeded[1][d + k, ..., k] += 1j * STEP
+            seeded[2][d + k, ..., k] += 1j * STEP
+            seeded[3][2 * d + k, ..., k] += 1j * STEP
+        g, rate, v, a = (_components(x) for x in seeded)
+        n = np.stack(pull(g, rate, self.material, self.ops)[0], axis=-1).imag / STEP
+        q = np.stack(load(g, v, a, self.material, self.ops), axis=-1).imag / STEP
+        # (seed, E, point, component) -> (E, point, component, seed)
+        n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
+        slopes, weights = self.rule.slopes, self.rule.weights
+        outer = np.einsum("q,qi,qj->qij", weights, slopes, slopes)
+        scale = 1.0 / sizes.half
+        local = (weights * sizes.half)[:, :, None, None] * q
+        stiff = np.einsum("qij,eqab,e->eiajb", outer, n[..., :d], scale[:, 0], optimize=True)
+        damp = np.einsum("qij,eqab,e->eiajb", outer, n[..., d : 2 * d], scale[:, 0], optimize=True)
+        by_slope = local[..., :d] - sizes.slide[:, :, None, None] * local[..., d : 2 * d]
+        stiff += np.einsum("ij,eiab,e->eiajb", slopes, by_slope, scale[:, 0])
+        mass = np.zeros((e, p + 1, d, p + 1, d))
+        each = np.arange(p + 1)
+        mass[:, each, :, each, :] += np.moveaxis(local[..., 2 * d :], 1, 0)
+        damp[:, each, :, each, :] += np.moveaxis(local[..., d : 2 * d], 1, 0)
+        if len(self.flow.z) > 1:
+            sheared = self.flow.at(self.gather(r)[..., -1].ravel())[1].reshape(e, p + 1, d)
+            by_height = -np.einsum("eiab,eib->eia", local[..., d : 2 * d], sheared)
+            stiff[:, each, :, each, d - 1] += np.moveaxis(by_height, 1, 0)
+        self._fixture_derivatives(r, u, stiff, damp, mass)
+        return stiff, damp, mass
+
+    def _fixture_derivatives(self, r: Array, u: Array, stiff: Array, damp: Array, mass: Array) -> None:
+        """Add those of fixtures to the elements above them."""
+        nodes, fixture = self.fixtures
+        if not len(nodes):
+            return
+        d = self.dimensions
+        flow, sheared = self.flow.at(r[nodes, -1])
+        v = np.repeat((u[nodes] - flow).astype(complex)[None], d, axis=0)
+        sheared = np.broadcast_to(sheared, flow.shape)
+        for k in range(d):
+            v[k, :, k] += 1j * STEP
+        slopes = np.stack(fixture_load(_components(v), _components(0.0 * v), fixture, self.ops), axis=-1).imag / STEP
+        for k, node in enumerate(nodes):
+            above = node // self.mesh.degree
+            damp[above, 0, :, 0, :] += slopes[:, k, :].T
+            stiff[above, 0, :, 0, d - 1] -= slopes[:, k, :].T @ sheared[k]
+            mass[above, 0, :, 0, :] += np.diag([float(m[k]) for m in fixture.masses])
