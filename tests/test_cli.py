@@ -100,7 +100,7 @@ def shell(*arguments: str, code: str = "") -> subprocess.CompletedProcess[str]:
 def test_public_names() -> None:
     assert set(towage.__all__) == {
         *("Scene", "Master", "Result", "run", "run_all", "__version__"),
-        *("Ensemble", "Sweep", "response", "route", "simplest", "stability", "sweep", "write_report"),
+        *("Ensemble", "Sweep", "lift_response", "response", "route", "simplest", "stability", "sweep", "write_report"),
         *("TowageError", "SceneError", "FmuError", "RunError"),
     }
     for name in towage.__all__:
@@ -151,7 +151,7 @@ def test_help_names_every_command_and_gives_examples(capsys: pytest.CaptureFixtu
         with pytest.raises(SystemExit) as stop:
             call(name, "--help")
         assert stop.value.code == 0
-        assert re.search(rf"^example:\n  towage {name}", capsys.readouterr().out, re.MULTILINE)
+        assert re.search(rf"^examples?:\n  towage {name}", capsys.readouterr().out, re.MULTILINE)
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
@@ -160,7 +160,7 @@ def test_examples_of_the_help_parse(name: str, capsys: pytest.CaptureFixture[str
 
     with pytest.raises(SystemExit):
         call(name, "--help")
-    example = capsys.readouterr().out.split("example:\n")[1].split("\n")[0]
+    example = re.split("^examples?:\n", capsys.readouterr().out, flags=re.MULTILINE)[1].split("\n")[0]
     words = shlex.split(example)
     assert words[:2] == ["towage", name]
     cli.parser().parse_args(words[1:])

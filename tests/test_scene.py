@@ -340,7 +340,8 @@ def test_resolved_connections_convert_between_units_of_one_dimension(fmus: Path)
 
 def test_recorded_by_default_are_the_outputs(fmus: Path) -> None:
     assert resolve(data(), fmus).record == (
-        ("ship", "heave"), ("ship", "margin_sdof"), ("ship", "mode"), ("line", "tension"), ("line", "margin_taut"),
+        ("ship", "heave"), ("ship", "mode"), ("ship", "label"), ("ship", "margin_sdof"),
+        ("line", "tension"), ("line", "margin_taut"),
     )  # fmt: skip
     chosen = data(record={"variables": ["ship.heave_rate", "line.tension", "ship.heave_rate"]})
     assert resolve(chosen, fmus).record == (("ship", "heave_rate"), ("line", "tension"))
