@@ -128,7 +128,6 @@ LIES: list[tuple[str, float | None, str]] = [
     ("step:nan@1", DUE, r"winch\.y, t = 1.1 s: y became nan; its last finite value was 0\.54"),
     ("step:inf@1", DUE, r"winch\.y, t = 1.1 s: y became inf; its last finite value was 0\.54"),
     ("get:nan@1", DUE, r"winch\.y, t = 1.1 s: y became nan"),
-    ("forgetful", 0.0, r"winch\.y, t = 0 s: does not restore its state, though .*Take scheme 'extrapolate'"),
 ]
 HARMLESS: list[tuple[str, str]] = [
     ("step:flood@1", "40,000 lines on stdout that look like answers"),

@@ -17,9 +17,9 @@ TUNABLE = {
     "ship": {"mass", "damping", "stiffness"},
     "ship_in_sea": {"mass", "damping", "stiffness"},
     "spring_line": {"stiffness", "axial_stiffness", "static_tension"},
-    "cradle": {"added_mass", "weight_in_water", "drag_area", "drag_coefficient"},
+    "cradle": {"added_mass", "weight_in_water", "drag_area", "drag_coefficient", "linear_damping"},
     "cradle_on_line": {
-        "added_mass", "weight_in_water", "drag_area", "drag_coefficient", "stiffness", "axial_stiffness",
+        "added_mass", "weight_in_water", "drag_area", "drag_coefficient", "linear_damping", "stiffness", "axial_stiffness",
     },
     "towed_body": {"added_mass_surge", "added_mass_heave", "drag"},
 }  # fmt: skip

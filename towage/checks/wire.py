@@ -140,14 +140,19 @@ def judged(run: Finished, line: Line, settle: float, tolerance: float) -> Findin
     """What is said of one line."""
     import numpy as np
 
+    from towage.checks.signals import dominant_frequency, repeats_after
+
     known = line.wire > 0.0
     wire = line.wire if known else line.stiffness * (line.length / STEEL) ** 2
     chaotic = bool(run.result.comparison and run.result.comparison.chaotic)
     times = run.times
     motion = run.track.at(line.top, times)
+    late = times >= settle
+    omega = dominant_frequency(times[late], motion[late])
+    statistical = chaotic or not repeats_after(times[late], motion[late], omega, tolerance)
     costs = []
     for mass in line.masses:
-        cost, heave = cost_of(line, mass, wire, times, motion, settle, chaotic)
+        cost, heave = cost_of(line, mass, wire, times, motion, settle, statistical)
         costs.append(cost)
         if not chaotic and len(line.masses) == 1 and line.heave in run.track.columns:
             own = run.track.at(line.heave, times)
@@ -181,7 +186,7 @@ def judged(run: Finished, line: Line, settle: float, tolerance: float) -> Findin
 
 
 def cost_of(
-    line: Line, mass: float, wire: float, times: Array, motion: Array, settle: float, chaotic: bool
+    line: Line, mass: float, wire: float, times: Array, motion: Array, settle: float, statistical: bool
 ) -> tuple[Cost, Array]:
     """The errors for a load of ``mass``, kg, and the heave of the load on the massless spring, m, at ``times``, s, equally
     spaced, under the ``motion`` of the top, m."""
@@ -219,15 +224,16 @@ def cost_of(
     for values in (bar.top, bar.low):
         true = np.array(values)[first:]
         snap = share(impact, float(true.max()) - line.weight)
-        tension = max(tension, snap + apart(own, true, line.weight, chaotic))
+        tension = max(tension, snap + apart(own, true, line.weight, statistical))
         time = float(times[0]) + h * (first + int(np.argmax(np.abs(own - true))))
-    motions = snap + apart(np.array(spring.load)[first:], np.array(bar.load)[first:], None, chaotic)
+    motions = snap + apart(np.array(spring.load)[first:], np.array(bar.load)[first:], None, statistical)
     return Cost(motions, tension, time, theta), heave
 
 
-def apart(spring: Array, bar: Array, mean: float | None, chaotic: bool) -> float:
+def apart(spring: Array, bar: Array, mean: float | None, statistical: bool) -> float:
     """The largest of the errors of the spring: of the swing, or of the peak above ``mean`` where it is given, and rms of the
-    difference over the standard deviation; of the standard deviation alone in chaos. Zero for signals at rest."""
+    difference over the standard deviation; ``statistical``, for motions that do not repeat: of the standard deviation and of the
+    mean of the largest tenth of the values. Zero for signals at rest."""
     import numpy as np
 
     from towage.checks.signals import relative_change
@@ -235,8 +241,9 @@ def apart(spring: Array, bar: Array, mean: float | None, chaotic: bool) -> float
     spread = float(bar.std())
     if max(spread, float(spring.std())) <= 1e-12 * max(float(np.abs(bar).max()), float(np.abs(spring).max())):
         return 0.0
-    if chaotic:
-        return abs(relative_change(float(spring.std()), spread))
+    if statistical:
+        high = [float(np.sort(values - values.mean())[-max(1, len(values) // 10) :].mean()) for values in (spring, bar)]
+        return max(abs(relative_change(float(spring.std()), spread)), abs(relative_change(*high)))
     size = (float(np.ptp(spring)), float(np.ptp(bar))) if mean is None else (spring.max() - mean, bar.max() - mean)
     return max(abs(relative_change(*size)), share(float(np.sqrt(np.mean((spring - bar) ** 2))), spread))
 

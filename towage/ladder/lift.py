@@ -22,7 +22,7 @@ STEEL = 7850.0
 """kg/m3; matters for the weight of the wire alone."""
 SEGMENTS, A_RADIAN = 20.0, 6.0
 """Segments of a wire, and of each radian of omega L/c, at least."""
-NOT_OF_A_WIRE = ("margin_small_perturbation", "margin_flow", "margin_resolution")
+NOT_OF_A_WIRE = ("margin_small_perturbation", "margin_resolution")
 """Margins that mean nothing for a wire that hangs."""
 HANGING = 0.05
 """Tow speed of a cable that hangs, m/s: `tow_cable` refuses none at all."""
