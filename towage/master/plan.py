@@ -73,7 +73,8 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
     findings = _of_grid(grid, step, scene) if grid and step else []
     if coupling.scheme == "auto":
         scheme, why = choose(system, interface_loops, step or 0.0)
-        findings.append(Finding("scheme", "info", None, None, f"auto: {scheme.name}, because {why}"))
+        level: Literal["info", "warning"] = "warning" if system.distrusted else "info"
+        findings.append(Finding("scheme", level, None, None, f"auto: {scheme.name}, because {why}"))
     else:
         scheme = SCHEMES.get(coupling.scheme)
     if refusal := _refusal(scheme, step, system):

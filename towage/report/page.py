@@ -32,6 +32,8 @@ _OPEN_CASES = 4
 """With more cases than this the sections are folded."""
 _RESOLUTION = 800
 """Parts into which time is divided for a curve, two samples each; fewer if there are many cases."""
+TOLD = ("process", "scheme", "grid")
+"""Findings that a summary shows where they are warnings: of a unit's manners, and of what the master did about them."""
 LONGEST_LINE = 1000
 """Letters of a line for a terminal."""
 ASCII = str.maketrans({"−": "-", "–": "-", "∞": "inf"})
@@ -66,7 +68,8 @@ def text_summary(result: Result) -> str:
         lines.append(f"  verdict         {_reason(result)}")
     lines += [f"  {item.name:15} {_item_text(item)}" for item in result.verdict.items]
     lines += [f"  {label:15} {text}" for check in every_check() for label, text in check.summary(result)]
-    lines += [f"  {'warning':15} {finding.message}" for finding in result.checks if finding.name == "process"]
+    warnings = [finding.message for finding in result.checks if finding.level == "warning" and finding.name in TOLD]
+    lines += [f"  {'warning':15} {message}" for message in warnings]
     margin = result.worst_margin()
     lines.append(f"  worst margin    {_margin_text(margin) if margin else 'none recorded'}")
     error = result.worst_coupling_error()
