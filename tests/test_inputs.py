@@ -129,7 +129,8 @@ def test_the_fmu_says_the_same(name: str) -> None:
         (v.name, v.needed, v.unset) for v in load(name).inputs
     ]
     native = ElementTree.fromstring(native_model_description(Interface(load(name)), name, "guid", ()))
-    said = {e.get("name"): (e.get("needed"), e.get("unset")) for e in native.iterfind("VendorAnnotations/Tool/Inputs/*")}
+    entries = native.iterfind("VendorAnnotations/Tool/Interface/Inputs/*")
+    said = {e.get("name"): (e.get("needed"), e.get("unset")) for e in entries}
     assert said == {
         v.name: ("true", None) if v.needed else (None, v.unset) for v in load(name).inputs if v.needed or v.unset
     }

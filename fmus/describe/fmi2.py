@@ -121,11 +121,12 @@ def _annotations(root: Element, unit: Unit) -> None:
 
 def annotate(tool: Element, unit: Unit) -> None:
     """For towage, the same in FMI 2 and 3: that names mean what its conventions say, and what it means that an input is neither
-    connected nor set: ``needed``, or in words."""
-    SubElement(tool, "Conventions")
+    connected nor set: ``needed``, or in words. All in one element, as the schemas want it."""
+    own = SubElement(tool, "Interface")
+    SubElement(own, "Conventions")
     said = [v for v in unit.inputs if v.needed or v.unset]
     if said:
-        inputs = SubElement(tool, "Inputs")
+        inputs = SubElement(own, "Inputs")
         for v in said:
             SubElement(inputs, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})
 

@@ -9,8 +9,8 @@
 | ``port_stiffness``, ``port_mass`` | what an interface loop oscillates by | its unit is N/m, kg |
 | ``event_<name>``, ``freeze_branches`` | zero-crossing function of a branch, and how it is held | never |
 
-The declaration is an annotation of the model description, ``VendorAnnotations/Tool[@name="towage"]/Conventions``; every unit
-that towage builds has it. Never by name alone: ``heading_rate`` in deg/min may be a filtered sensor, ``event_count`` a count.
+The declaration is an annotation of the model description, ``VendorAnnotations/Tool[@name="towage"]/Interface/Conventions``;
+every unit that towage builds has it. Never by name alone: ``heading_rate`` in deg/min may be a filtered sensor, ``event_count`` a count.
 """
 
 from __future__ import annotations

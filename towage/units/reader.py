@@ -76,7 +76,7 @@ _VALUES: dict[str, Callable[[str], Value]] = {
 class DescriptionReader:
     """Reads one parsed model description."""
 
-    annotation = "VendorAnnotations/Tool[@name='towage']"
+    annotation = "VendorAnnotations/Tool[@name='towage']/Interface"
     """What is written for towage."""
 
     def __init__(self, root: ElementTree.Element) -> None:

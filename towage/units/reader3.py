@@ -39,7 +39,7 @@ _LARGEST = 100_000
 class DescriptionReader3(DescriptionReader):
     """Reads one parsed model description of FMI 3.0."""
 
-    annotation = "Annotations/Annotation[@type='towage']"
+    annotation = "Annotations/Annotation[@type='towage']/Interface"
 
     def __init__(self, root: ElementTree.Element) -> None:
         super().__init__(root)
