@@ -171,8 +171,13 @@ def _unit(place: Path) -> Unit:
 
     description = read_description(place)
     unit = Unit("it", description, unpacked(place, cache() / "unpacked"), Wanted([], [], [], cubic=False))
-    unit.start({}, 0.0, 10.0)
+    _begun(unit)
     return unit
+
+
+def _begun(unit: Unit) -> None:
+    unit.enter({}, (0.0, 10.0), None)
+    unit.begin(0.0)
 
 
 def _states() -> list[bytes]:
@@ -200,6 +205,6 @@ def _state(path: Path) -> None:
             raise AssertionError("a changed state was taken")
         if status >= 3:  # an instance that says so takes nothing any more
             instance._slave.reset()
-            unit.start({}, 0.0, 10.0)
+            _begun(unit)
     if not taken:
         raise FmuError("this is no state of either")

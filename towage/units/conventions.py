@@ -10,7 +10,8 @@
 | ``event_<name>``, ``freeze_branches`` | zero-crossing function of a branch, and how it is held | never |
 
 The declaration is an annotation of the model description, ``VendorAnnotations/Tool[@name="towage"]/Interface/Conventions``;
-every unit that towage builds has it. Never by name alone: ``heading_rate`` in deg/min may be a filtered sensor, ``event_count`` a count.
+every unit that towage builds has it. Never by name alone: ``heading_rate`` in deg/min may be a filtered sensor, ``event_count``
+a count.
 """
 
 from __future__ import annotations
