@@ -63,7 +63,7 @@ def test_an_fmu_carries_exactly_what_its_model_reaches(seen: dict[str, Any]) -> 
 def test_import_loads_no_solver(seen: dict[str, Any]) -> None:
     """Solvers come with the first tow that is solved; a scalar unit needs no numpy at all."""
     assert not [name for name in seen["import"] if name.startswith("scipy")]
-    arrays = seen["unit"].startswith("tow_") or seen["unit"] == "slender_body"
+    arrays = seen["unit"].startswith("tow_") or seen["unit"] in ("slender_body", "wire")
     assert ("numpy" in seen["import"]) == arrays
     assert "casadi" not in seen["import"]
 
