@@ -26,7 +26,9 @@ from towage.registry import SCHEMES
 from towage.report.format import number, percent
 from towage.result.result import Result
 from towage.scene.flavour import resolve
+from towage.scene.resolve import described
 from towage.scene.scene import Scene
+from towage.units.store import locator
 from towage.verify.monolithic import solve
 
 Array = NDArray[np.float64]
@@ -87,7 +89,7 @@ def precision(scene: Scene) -> Precision:
     """Of a scene without cases. Raises `TowageError` where the scene itself does not run."""
     cut = shortened(bare(scene))
     given = run(cut, 1.0, cut.coupling.scheme)
-    question = asked(scene, given, None)
+    question = asked(described(scene, locator(None)), given, None)
     step = cut.coupling.step
     times = comparison_times(cut.stop_time, step and FACTORS[0] * step, MOST_STEPS)
     times = times[times >= min(question.settle, 0.5 * cut.stop_time)]

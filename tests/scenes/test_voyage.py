@@ -42,7 +42,8 @@ def test_the_table_is_that_of_the_route(case: str) -> None:
     scale = {c: max(abs(wanted[f"{c}_{k}"]) for k in range(voyage.POINTS)) for c in voyage.COLUMNS}
     for name, value in wanted.items():
         size = scale.get(name.rpartition("_")[0], abs(value))
-        assert entry[name] == pytest.approx(value, abs=2e-6 * size + 1e-9), name  # seven printed digits
+        # printed with seven digits; the route itself is known to a metre or two, and its steps are chosen by their error now
+        assert entry[name] == pytest.approx(value, abs=1e-5 * size + 1e-9), name
 
 
 @pytest.mark.slow
