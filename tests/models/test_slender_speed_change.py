@@ -84,10 +84,11 @@ def test_a_straight_tow_stays_straight() -> None:
     assert stiffness @ aside == pytest.approx(force, abs=1e-12)
 
 
-def test_the_margin_bounds_the_error_of_a_stable_body() -> None:
+@pytest.mark.parametrize("count", [4, pytest.param(24, marks=pytest.mark.slow)])
+def test_the_margin_bounds_the_error_of_a_stable_body(count: int) -> None:
     """Random ramps of a rigid body with a blunt tail, which is stable, while its rope is taut."""
     rng, ratios = np.random.default_rng(2), []
-    for _ in range(24):
+    for _ in range(count):
         p = towed(tail_cut=0.4, flexible=0.0, rope_length=rng.uniform(5.0, 20.0))
         start, ramp, period = rng.uniform(1.0, 3.5), 10 ** rng.uniform(0.9, 2.3), rng.uniform(6.0, 20.0)
         speeds = start, start * rng.uniform(0.6, 1.8)
@@ -96,6 +97,6 @@ def test_the_margin_bounds_the_error_of_a_stable_body() -> None:
         error = float((np.abs(full - frozen).max(0) / np.abs(full).max(0)).max())
         if share < 1.0:
             ratios.append(body.FELT * share / error)
-    assert len(ratios) > 15
+    assert len(ratios) > 0.6 * count
     assert min(ratios) >= 1.0
     assert np.median(ratios) < 6.0
