@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 def before(start: Start) -> list[Finding]:
     """A warning for each thing that was taken although something is wrong with it, a note for each convention."""
-    findings = [Finding("units", "warning", None, None, text) for text in start.scene.warnings]
+    findings = [Finding("system", note.level, None, None, note.text) for note in start.scene.scene.notes]
+    findings += [Finding("units", "warning", None, None, text) for text in start.scene.warnings]
     for name, unit in start.scene.units.items():
         if said := guessed(unit.description):
             findings.append(Finding("units", "info", None, None, f"{name}: {'; '.join(said)}"))

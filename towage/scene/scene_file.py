@@ -6,7 +6,10 @@ from typing import Any
 
 from towage.scene.scene import Scene
 
-LEFT_OUT = ("parameters", "inputs", "set", "record", "cases", "checks", "report_only", "description", "connections")
+LEFT_OUT = (
+    "parameters", "inputs", "set", "record", "cases", "checks", "report_only", "description", "connections", "transformations",
+    "values",
+)  # fmt: skip
 """What a file has no need of where it is empty."""
 
 
