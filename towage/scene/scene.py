@@ -175,7 +175,10 @@ def _of_system(given: str | Path) -> Scene:
     """The system in a file of another format, as a scene."""
     network = network_of(given)
     data, notes = tables_of(network, (*_FIELDS, "file", "source"))
-    return replace(Scene.from_dict(data, network.file), notes=notes)
+    scene = Scene.from_dict(data, network.file)
+    from towage.scene.scene_file import toml  # which is made of scenes
+
+    return replace(scene, notes=notes, source=toml(scene))
 
 
 def _read(data: dict[str, Any], file: Path | None) -> Scene:

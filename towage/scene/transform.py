@@ -18,9 +18,10 @@ def carried(names: Names, text: str, source: End, target: End, key: str) -> Carr
     """What the connection ``text`` of the scene does, ``key`` its place. Raises `SceneError` where it does not fit."""
     change = names.scene.transformations.get(text)
     one, other = source[1].type, target[1].type
-    mixed = change is not None and change.values and {one, other} <= {"Integer", "Enumeration"}
-    if one != other and not mixed:
+    if one != other and {one, other} != {"Integer", "Enumeration"}:
         raise names.fault(f"{text!r} joins {one} to {other}: the types must agree", key)
+    if one != other and not (change and change.values):
+        names.warnings.append(f"{text!r} joins {one} to {other}: the number passes unchanged")
     if change is None:
         return (*names.conversion(text, *source, *target, key), ())
     place = f"transformations.{text}"

@@ -55,8 +55,10 @@ def network_of(given: str | Path) -> Network:
 def tables_of(network: Network, reserved: Collection[str]) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """The tables of a scene, and what there is to say of them; ``reserved``: what no unit may be called. Raises `SceneError`."""
     if network.start:
-        text = f"the system starts at {network.start:g} s, and the run at 0, with the same length: units that know the time see another"
-        network.say("warning", text)
+        text = "and the run at 0, with the same length: units that know the time see another"
+        network.say("warning", f"the system starts at {network.start:g} s, {text}")
+    if not network.components:
+        raise network.fault("has no component with an FMU, so that there is nothing to run", network.title)
     links = list(network.connections())
     names = _names(network, reserved)
     components = network.components.values()
@@ -114,17 +116,18 @@ def _values(network: Network, names: dict[Names, str], units: dict[str, dict[str
 
 
 def _scheme(network: Network, links: list[Link], names: dict[Names, str]) -> str:
-    """``auto``, but where a loop passes through a unit that declares no dependencies, so that it may be an algebraic one."""
+    """``auto``, but where there is an algebraic loop, or one that passes through a unit that declares no dependencies."""
     descriptions = {names[path]: component.description for path, component in network.components.items()}
     ends = [(names[link.source[0]], link.source[1], names[link.target[0]], link.target[1]) for link in links]
-    loops = [loop for loop in loops_of(ends, descriptions) if presumed(loop, descriptions)]
-    if not loops:
-        return "auto"
+    loops = loops_of(ends, descriptions)
+    guessed = any(presumed(loop, descriptions) for loop in loops)
     solved = all(description.can_get_set_state for description in descriptions.values())
+    if not loops or not (guessed or solved):
+        return "auto"  # and refused where there is a loop, since no scheme solves it
     scheme = "implicit" if solved else "extrapolate"
+    kind = "passes through a unit that declares no dependencies" if guessed else "is algebraic"
     why = "which solves it" if solved else "as if one of its units had a state, since units that cannot go back have no other"
-    text = f"a unit of the loop {' -> '.join(loops[0])} declares no dependencies: coupled by the scheme {scheme}, {why}"
-    network.say("warning", text, "coupling.scheme")
+    network.say("warning", f"the loop {' -> '.join(loops[0])} {kind}: coupled by {scheme}, {why}", "coupling.scheme")
     return scheme
 
 

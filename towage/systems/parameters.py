@@ -100,7 +100,7 @@ class Document:
     def unit(self, element: Element, place: str) -> Definition | None:
         """The unit of measure that the type of a connector or a parameter names."""
         name = element.get("unit")
-        if name is not None and name not in self.units:
+        if name and name not in self.units:
             self.network.say(
                 "warning", f"{place}: the unit of measure {name!r} is not defined in the file, and ignored"
             )

@@ -20,7 +20,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from towage import reading
-from towage.errors import FmuError, SceneError
+from towage.errors import FmuError, SceneError, suggest
 from towage.files import atomic_write
 from towage.units.archive import crc, opened, read_description
 from towage.units.description import Description
@@ -62,7 +62,8 @@ class Files:
         """The file itself. Raises `SceneError` where there is none."""
         place = self.root / name
         if not place.is_file():
-            self.fault("there is no such file", name)
+            there = [path.name for path in place.parent.iterdir()] if place.parent.is_dir() else []
+            self.fault("there is no such file" + suggest(place.name, there), name)
         if not self.beyond and not place.resolve().is_relative_to(self.root.resolve()):
             self.fault("is a link that leaves the folder", name)
         return place
@@ -120,7 +121,7 @@ class Archive(Files):
 
     def _check(self, name: str) -> None:
         if name not in self._entries:
-            self.fault("there is no such file in the archive", name)
+            self.fault("there is no such file in the archive" + suggest(name, self._entries), name)
 
     def read(self, name: str) -> bytes:
         """The bytes of a description. Raises `SceneError`."""

@@ -128,7 +128,7 @@ class Wires:
 
     def _end(self, element: Element, side: str, here: Here) -> tuple[Node, str]:
         """A node, and whether values come from it ("source") or go to it ("target"), seen from the connection."""
-        child, name = element.get(f"{side}Element"), element.get(f"{side}Connector", "")
+        child, name = element.get(f"{side}Element") or None, element.get(f"{side}Connector", "")
         path = here.path if child is None else (*here.path, child)
         if child is not None and child not in self.elements[here.path]:
             raise self.network.fault(f"a connection names the element {child!r}, which is not there", here.place)
