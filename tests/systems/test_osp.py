@@ -17,7 +17,8 @@ from towage.scene.scene import Scene
 SPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 GROUPS = (
     '<OspModelDescription xmlns="https://open-simulation-platform.com/OspModelDescription/1.0.0" version="1.0"><VariableGroups>'
-    '<Generic name="port"><Force name="in"><Variable ref="{0}"/></Force><Generic name="out"><Variable ref="{1}"/></Generic></Generic>'
+    '<Generic name="port"><Force name="in"><Variable ref="{0}"/></Force>'
+    '<Generic name="out"><Variable ref="{1}"/></Generic></Generic>'
     "</VariableGroups></OspModelDescription>"
 )
 
@@ -37,11 +38,17 @@ def ends(tag: str, *places: str) -> str:
     for place in places:
         function, signal, name = place.partition("():")
         unit, _, variable = place.partition(".")
-        told += f'<Signal function="{function}" name="{name}"/>' if signal else f'<{kind} simulator="{unit}" name="{variable}"/>'
+        told += (
+            f'<Signal function="{function}" name="{name}"/>'
+            if signal
+            else f'<{kind} simulator="{unit}" name="{variable}"/>'
+        )
     return f"<{tag}>{told}</{tag}>"
 
 
-def written(folder: Path, simulators: str, connections: str = "", functions: str = "", more: str = "", **about: object) -> Path:
+def written(
+    folder: Path, simulators: str, connections: str = "", functions: str = "", more: str = "", **about: object
+) -> Path:
     """config/OspSystemStructure.xml, with the FMU in fmus/ beside it."""
     for name in ("config", "fmus"):
         (folder / name).mkdir(exist_ok=True)
@@ -117,7 +124,12 @@ def test_what_a_scene_has_no_place_for_is_said(tmp_path: Path) -> None:
         (simulator("a"), ends("VariableConnection", "a.y"), "", "a connection has two ends"),
         (simulator("a"), ends("SignalConnection", "a.y", "f():in"), "", "no function 'f' with a signal 'in'"),
         (simulator("a"), ends("VariableGroupConnection", "a.p", "a.q"), "", "'a' has no variable group 'p'"),
-        (simulator("a"), "", '<Sum name="f" inputCount="2"/>', "function 'f': is a Sum, for which a scene has no place"),
+        (
+            simulator("a"),
+            "",
+            '<Sum name="f" inputCount="2"/>',
+            "function 'f': is a Sum, for which a scene has no place",
+        ),
         (simulator("a"), "", '<LinearTransformation name="f" factor="x"/>', "'x' is no finite number"),
     ],
 )

@@ -8,6 +8,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from tests.systems.write import DEFINED
+from tests.zoo.zoo import animal
+from towage.errors import SceneError
 from towage.export.export import prepare
 from towage.export.osp import write_osp
 from towage.export.ssp import write_ssp
@@ -53,3 +56,29 @@ def test_round_trip(name: str, kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_round_trip_of_every_scene(name: str, kind: str, tmp_path: Path) -> None:
     round_trip(name, kind, tmp_path)
+
+
+def test_transformations_come_back(tmp_path: Path) -> None:
+    """Factors, tables, and numbers that are not converted; OSP has no tables."""
+    ends = {"u": ' unit="m"', "y": ' unit="km"'}
+    fmu = animal(tmp_path / "a.fmu", reals=ends, extra=DEFINED)
+    entries = {
+        "a": {"fmu": fmu, "inputs": {"u": 1.0, "n_in": 1, "b_in": True}},
+        "b": {"fmu": fmu},
+        "c": {"fmu": fmu, "inputs": {"n_in": 0}},
+    }
+    links = {
+        "a.y -> b.u": {"factor": 2.0, "offset": 1.0}, "b.y -> c.u": {"convert": False}, "a.n -> b.n_in": {"values": {"2": 5}},
+        "a.b -> b.b_in": {"values": {"true": False, "false": True}},
+    }  # fmt: skip
+    tables = {"title": "t", "stop_time": 2.0, "units": entries, "connections": list(links), "transformations": links}
+    scene = Scene.from_dict({**tables, "coupling": {"step": 0.1, "error_estimate": False}})
+    resolved = resolve(scene)
+    write_ssp(prepare(resolved), tmp_path / "s.ssp")
+    back = Scene.load(tmp_path / "s.ssp").with_values({"coupling.error_estimate": False})
+    one, other = run_resolved(resolved), run_resolved(resolve(back))
+    assert all(np.array_equal(one[column], other[column]) for column in one.columns)
+    assert (one["b.n"][0], one["b.b"][0], one["b.w"][0]) == (10.0, 0.0, 1.0)
+    assert one["b.y"][-1] == pytest.approx(2000.0 * 2.0 + 2.0, rel=1e-12)  # sums of 20 steps in double precision
+    with pytest.raises(SceneError, match=r"transformations.a.n -> b.n_in: looks values up.*--ssp"):
+        write_osp(prepare(resolved), tmp_path / "osp")

@@ -64,14 +64,22 @@ def test_a_connection_transforms_values_and_derivatives(tmp_path: Path) -> None:
     ("about", "ends", "change", "raw", "expected"),
     [
         ({"y": ' unit="degC"', "u": ' unit="K"'}, "", "", False, 1.0 + 273.15),
-        ({"y": ' unit="degC"', "u": ' unit="K"'}, "", '<ssc:LinearTransformation factor="2"/>', False, 2.0 * (1.0 + 273.15)),
+        (
+            {"y": ' unit="degC"', "u": ' unit="K"'},
+            "",
+            '<ssc:LinearTransformation factor="2"/>',
+            False,
+            2.0 * (1.0 + 273.15),
+        ),
         ({"y": ' unit="degC"', "u": ' unit="K"'}, "", '<ssc:LinearTransformation factor="2"/>', True, 2.0),
         ({"y": ' unit="degC"', "u": ' unit="m"'}, "", "", True, 1.0),
         ({}, "u:input:m y:output:km", "", False, 1000.0),
         ({"y": ' unit="K"', "u": ' unit="m"'}, "u:input:m y:output:km", "", False, 1000.0),
     ],
 )
-def test_units_of_measure(tmp_path: Path, about: dict[str, str], ends: str, change: str, raw: bool, expected: float) -> None:
+def test_units_of_measure(
+    tmp_path: Path, about: dict[str, str], ends: str, change: str, raw: bool, expected: float
+) -> None:
     """Of connectors, else of FMUs; a transformation comes after the conversion, or in place of it."""
     ends = ends or "u:input y:output"
     elements = component("a", ends=ends, inside=bindings(values({"x0": 1.0}))) + component("b", ends=ends)
@@ -86,7 +94,9 @@ def test_units_of_measure(tmp_path: Path, about: dict[str, str], ends: str, chan
 def test_units_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     elements = component("a", ends="y:output:m") + component("b", ends="u:input:K")
     path = archive(tmp_path / "s.ssp", ssd(system(elements, link("a.y", "b.u"))))
-    with pytest.raises(SceneError, match=r"s\.ssp: SystemStructure.ssd: a.y -> b.u: b.u gets \[m\] and measures \[K\].*suppress"):
+    with pytest.raises(
+        SceneError, match=r"s\.ssp: SystemStructure.ssd: a.y -> b.u: b.u gets \[m\] and measures \[K\].*suppress"
+    ):
         Scene.load(path)
 
 
@@ -98,7 +108,9 @@ def test_nested_systems_are_flattened(tmp_path: Path) -> None:
         ends="in:input out:output:km", name="sub",
     )  # fmt: skip
     root = system(
-        component("a", ends="y:output:km", inside=bindings(values({"x0": 2.0}))) + inner + component("b", ends="u:input"),
+        component("a", ends="y:output:km", inside=bindings(values({"x0": 2.0})))
+        + inner
+        + component("b", ends="u:input"),
         link("a.y", "sub.in") + link("sub.out", "b.u", second),
     )
     result = run(archive(tmp_path / "s.ssp", ssd(root)), stop_time=0.1)
@@ -137,7 +149,9 @@ def test_signal_dictionaries(tmp_path: Path) -> None:
     sets = component("a", ends="y:output:m", inside=bindings(values({"x0": 2000.0})))
     one = system(sets + bus, link("a.y", "bus.depth"), name="one")
     two = system(component("b", ends="u:input") + bus, link("b.u", "bus.depth"), name="two")
-    shared = '<ssd:SignalDictionaries><ssd:SignalDictionary name="d" source="resources/d.ssb"/></ssd:SignalDictionaries>'
+    shared = (
+        '<ssd:SignalDictionaries><ssd:SignalDictionary name="d" source="resources/d.ssb"/></ssd:SignalDictionaries>'
+    )
     path = archive(tmp_path / "s.ssp", ssd(system(one + two, "", shared)), {"resources/d.ssb": ssb})
     assert run(path, stop_time=0.1)["two_b.w"][0] == 2.0
 
@@ -162,7 +176,9 @@ def test_tables_of_discrete_values(tmp_path: Path) -> None:
 
 def test_variants_and_systems_within_systems(tmp_path: Path) -> None:
     """Another description of the archive by its name; a description, an archive and an element by reference."""
-    inner = archive(tmp_path / "inner.ssp", ssd(system(component("a", inside=bindings(values({"x0": 1.0})))), "")).read_bytes()
+    inner = archive(
+        tmp_path / "inner.ssp", ssd(system(component("a", inside=bindings(values({"x0": 1.0})))), "")
+    ).read_bytes()
     part = ssd(system(component("b", source="../resources/a.fmu"), name="part"))
     twin = system(component("t"), name="twin", id="twin")
     elements = (
@@ -181,7 +197,10 @@ def test_variants_and_systems_within_systems(tmp_path: Path) -> None:
 
 def test_what_is_not_understood_is_on_the_card(tmp_path: Path) -> None:
     odd = component("a", inside='<ssd:Colour/><ssd:Annotations><ssc:Annotation type="org.else"/></ssd:Annotations>')
-    nothing = "<ssd:Component name='c'>" + '<ssd:Connectors><ssd:Connector name="y" kind="output"/></ssd:Connectors></ssd:Component>'
+    nothing = (
+        "<ssd:Component name='c'>"
+        + '<ssd:Connectors><ssd:Connector name="y" kind="output"/></ssd:Connectors></ssd:Component>'
+    )
     root = system(odd + nothing, link("c.y", "a.u"))
     path = archive(tmp_path / "s.ssp", ssd(root, stop="", version="3.0"))
     words = told(run(path), "system")
@@ -291,9 +310,12 @@ def test_arrays_of_ssp_2(tmp_path: Path) -> None:
     from tests.zoo.zoo import animal3
 
     path = tmp_path / "s.ssp"
-    ends = '<ssd:Connectors><ssd:Connector name="{}" kind="{}"><ssc:Float64/><ssc:Dimension size="3"/></ssd:Connector></ssd:Connectors>'
+    ends = '<ssd:Connectors><ssd:Connector name="{}" kind="{}"><ssc:Float64/><ssc:Dimension size="3"/></ssd:Connector>'
+    ends += "</ssd:Connectors>"
     given = '<ssv:Parameter name="array_in"><ssv:Float64 value="4 5 6"/><ssv:Dimension size="3"/></ssv:Parameter>'
-    sets = f'<ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet version="2.0" name="p"><ssv:Parameters>{given}'
+    sets = (
+        f'<ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet version="2.0" name="p"><ssv:Parameters>{given}'
+    )
     sets += "</ssv:Parameters></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding>"
     about = '<ssd:Component name="{}" source="a.fmu">{}{}</ssd:Component>'
     elements = about.format("a", ends.format("array", "output"), bindings(sets))
@@ -304,4 +326,8 @@ def test_arrays_of_ssp_2(tmp_path: Path) -> None:
         out.writestr("SystemStructure.ssd", text)
         out.write(tmp_path / "a.fmu", "a.fmu")
     result = run(path, stop_time=0.3)
-    assert [result[f"b.array[{k}]"][-1] for k in (1, 2, 3)] == [result[f"a.array[{k}]"][-1] for k in (1, 2, 3)] == [4.0, 5.0, 6.0]
+    assert (
+        [result[f"b.array[{k}]"][-1] for k in (1, 2, 3)]
+        == [result[f"a.array[{k}]"][-1] for k in (1, 2, 3)]
+        == [4.0, 5.0, 6.0]
+    )

@@ -15,7 +15,8 @@ SPACES = " ".join(
     }.items()
 )  # fmt: skip
 UNITS = (
-    '<{0}:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit><ssc:Unit name="km"><ssc:BaseUnit m="1" factor="1000"/></ssc:Unit>'
+    '<{0}:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit>'
+    '<ssc:Unit name="km"><ssc:BaseUnit m="1" factor="1000"/></ssc:Unit>'
     '<ssc:Unit name="K"><ssc:BaseUnit K="1"/></ssc:Unit><ssc:Unit name="degC"><ssc:BaseUnit K="1" offset="273.15"/></ssc:Unit>'
     "</{0}:Units>"
 )
@@ -32,16 +33,24 @@ STEP = (
 
 
 def connectors(text: str) -> str:
-    """"u:input y:output:m" as connectors: name, kind, unit of a Real; a type in place of the unit begins with a capital."""
+    """ "u:input y:output:m" as connectors: name, kind, unit of a Real; a type in place of the unit begins with a capital."""
     told = ""
     for word in text.split():
         name, kind, about = (*word.split(":"), "")[:3]
-        inner = f"<ssc:{about}/>" if about[:1].isupper() and about != "K" else f'<ssc:Real unit="{about}"/>' if about else "<ssc:Real/>"
+        inner = (
+            f"<ssc:{about}/>"
+            if about[:1].isupper() and about != "K"
+            else f'<ssc:Real unit="{about}"/>'
+            if about
+            else "<ssc:Real/>"
+        )
         told += f'<ssd:Connector name="{name}" kind="{kind}">{inner}</ssd:Connector>'
     return f"<ssd:Connectors>{told}</ssd:Connectors>"
 
 
-def component(name: str, source: str = "resources/a.fmu", ends: str = "u:input y:output w:output", inside: str = "", **about: str) -> str:
+def component(
+    name: str, source: str = "resources/a.fmu", ends: str = "u:input y:output w:output", inside: str = "", **about: str
+) -> str:
     """A component; ``inside``: its bindings."""
     more = "".join(f' {key}="{value}"' for key, value in about.items())
     return f'<ssd:Component name="{name}" source="{source}"{more}>{connectors(ends)}{inside}</ssd:Component>'
@@ -52,7 +61,9 @@ def system(elements: str, links: str = "", inside: str = "", ends: str = "", nam
     more = "".join(f' {key}="{value}"' for key, value in about.items())
     joined = f"<ssd:Connections>{links}</ssd:Connections>" if links else ""
     outer = connectors(ends) if ends else ""
-    return f'<ssd:System name="{name}"{more}>{outer}<ssd:Elements>{elements}</ssd:Elements>{joined}{inside}</ssd:System>'
+    return (
+        f'<ssd:System name="{name}"{more}>{outer}<ssd:Elements>{elements}</ssd:Elements>{joined}{inside}</ssd:System>'
+    )
 
 
 def link(start: str, end: str, inside: str = "", **about: str) -> str:
@@ -64,10 +75,11 @@ def link(start: str, end: str, inside: str = "", **about: str) -> str:
     return f"<ssd:Connection{more}>{inside}</ssd:Connection>"
 
 
-def values(given: Mapping[str, object], mapping: str = "", units: str = "", **about: str) -> str:
+def values(given: Mapping[str, object], mapping: str = "", **about: str) -> str:
     """A binding with the parameters inline; "x:km" is a name with the unit of its value."""
     more = "".join(f' {key}="{value}"' for key, value in about.items())
-    return f"<ssd:ParameterBinding{more}><ssd:ParameterValues>{parameters(given)}</ssd:ParameterValues>{mapping}</ssd:ParameterBinding>"
+    inline = f"<ssd:ParameterValues>{parameters(given)}</ssd:ParameterValues>"
+    return f"<ssd:ParameterBinding{more}>{inline}{mapping}</ssd:ParameterBinding>"
 
 
 def parameters(given: Mapping[str, object]) -> str:
@@ -78,7 +90,8 @@ def parameters(given: Mapping[str, object]) -> str:
         kind = {bool: "Boolean", int: "Integer", str: "String"}.get(type(value), "Real")
         measured = f' unit="{unit}"' if unit else ""
         told += f'<ssv:Parameter name="{name}"><ssv:{kind} value="{str(value).lower()}"{measured}/></ssv:Parameter>'
-    return f'<ssv:ParameterSet {SPACES} version="1.0" name="p"><ssv:Parameters>{told}</ssv:Parameters>{UNITS.format("ssv")}</ssv:ParameterSet>'
+    head = f'<ssv:ParameterSet {SPACES} version="1.0" name="p">'
+    return f"{head}<ssv:Parameters>{told}</ssv:Parameters>{UNITS.format('ssv')}</ssv:ParameterSet>"
 
 
 def bindings(*inside: str) -> str:
@@ -90,7 +103,7 @@ def ssd(root: str, stop: str = "2", version: str = "1.0") -> str:
     """A description whose system is ``root``."""
     experiment = f'<ssd:DefaultExperiment stopTime="{stop}">{STEP}</ssd:DefaultExperiment>' if stop else ""
     head = f'<ssd:SystemStructureDescription {SPACES} version="{version}" name="A system">'
-    return f'{head}{root}{UNITS.format("ssd")}{experiment}</ssd:SystemStructureDescription>'
+    return f"{head}{root}{UNITS.format('ssd')}{experiment}</ssd:SystemStructureDescription>"
 
 
 def archive(path: Path, text: str, files: Mapping[str, str | bytes] | None = None, **about: object) -> Path:

@@ -23,7 +23,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="an .ssp (FILE.ssp#NAME.ssd for another variant), .ssd or OspSystemStructure.xml, or the folder of one",
     )
     parser.add_argument(
-        "--out", metavar="FILE", type=Path, help="the scene file; FMUs go into a folder beside it (default: <system>.toml)"
+        "--out",
+        metavar="FILE",
+        type=Path,
+        help="the scene file; FMUs go into a folder beside it (default: <system>.toml)",
     )
     parser.epilog = (
         "towage run SYSTEM runs a system as it is; a scene file is for adding checks, cases and a choice of what is recorded.\n\n"

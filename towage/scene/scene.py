@@ -18,6 +18,7 @@ from msgspec.structs import replace
 from towage.errors import SceneError, suggest
 from towage.registry import CHECKS, SCHEMES
 from towage.scene.parts import Case, Checks, Coupling, Empty, Record, Transformation, UnitEntry
+from towage.scene.scene_file import toml
 from towage.scene.tables import Tables, find_file, plain, read_toml
 from towage.systems.load import network_of, system_file, tables_of
 from towage.systems.network import Note
@@ -176,8 +177,6 @@ def _of_system(given: str | Path) -> Scene:
     network = network_of(given)
     data, notes = tables_of(network, (*_FIELDS, "file", "source"))
     scene = Scene.from_dict(data, network.file)
-    from towage.scene.scene_file import toml  # which is made of scenes
-
     return replace(scene, notes=notes, source=toml(scene))
 
 

@@ -39,7 +39,9 @@ class Bindings:
             unknown = [name for name, value in given if not self._set(here.path, name, value)]
             if unknown:
                 place = ".".join(here.path) or "the system"
-                self.network.say("info", f"{document.name}: {_few(unknown)} fit nothing in {place}, and are not applied")
+                self.network.say(
+                    "info", f"{document.name}: {_few(unknown)} fit nothing in {place}, and are not applied"
+                )
 
     def _part(self, element: Element, inline: Element | None, root: str, here: Here) -> tuple[Document, Element]:
         """A parameter set or mapping: in its own file, in the FMU of the component, or inline."""

@@ -126,7 +126,11 @@ def _scheme(network: Network, links: list[Link], names: dict[Names, str]) -> str
         return "auto"  # and refused where there is a loop, since no scheme solves it
     scheme = "implicit" if solved else "extrapolate"
     kind = "passes through a unit that declares no dependencies" if guessed else "is algebraic"
-    why = "which solves it" if solved else "as if one of its units had a state, since units that cannot go back have no other"
+    why = (
+        "which solves it"
+        if solved
+        else "as if one of its units had a state, since units that cannot go back have no other"
+    )
     network.say("warning", f"the loop {' -> '.join(loops[0])} {kind}: coupled by {scheme}, {why}", "coupling.scheme")
     return scheme
 

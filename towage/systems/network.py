@@ -22,6 +22,7 @@ from towage.units.description import Description, Value, Variable
 Path = tuple[str, ...]
 Node = tuple[Path, str]
 MAX_COMPONENTS = 10_000
+MAX_NOTES = 100
 SOURCES, TARGETS = ("output", "calculatedParameter", "local", "constant"), ("input", "parameter", "structuralParameter")
 
 
@@ -107,12 +108,14 @@ class Network:
     into: dict[Node, Edge] = field(default_factory=dict)
     out: dict[Node, list[Edge]] = field(default_factory=dict)
     values: dict[Node, Value] = field(default_factory=dict)
-    notes: list[Note] = field(default_factory=list)
+    notes: dict[Note, None] = field(default_factory=dict)
 
     def say(self, level: Literal["info", "warning"], text: str, key: str = "") -> None:
-        """Note something, once."""
-        if (note := Note(level, text, key)) not in self.notes:
-            self.notes.append(note)
+        """Note something, once; of very many notes the first."""
+        if len(self.notes) < MAX_NOTES:
+            self.notes.setdefault(Note(level, text, key))
+        else:
+            self.notes.setdefault(Note("warning", f"more than {MAX_NOTES} remarks: the rest is left out"))
 
     def fault(self, message: str, place: str) -> SceneError:
         """What is wrong with the system, and where."""

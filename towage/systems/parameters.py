@@ -95,16 +95,14 @@ class Document:
             else:
                 hints = [f"{local(e)} {e.get('value')}" for e in annotation if e.get("value")]
                 kind = f"{annotation.get('type')!r}" + (f" ({', '.join(hints)})" if hints else "")
-                self.network.say("info", f"{place}: the annotation of type {kind} is ignored")
+                self.network.say("info", f"{self.name}: the annotation of type {kind} is ignored")
 
-    def unit(self, element: Element, place: str) -> Definition | None:
+    def unit(self, element: Element) -> Definition | None:
         """The unit of measure that the type of a connector or a parameter names."""
-        name = element.get("unit")
+        name = element.get("unit", "")
         if name and name not in self.units:
-            self.network.say(
-                "warning", f"{place}: the unit of measure {name!r} is not defined in the file, and ignored"
-            )
-        return self.units.get(name or "")
+            self.network.say("warning", f"{self.name}: the unit of measure {name!r} is not defined there, and ignored")
+        return self.units.get(name)
 
     def change(self, element: Element, place: str) -> Change:
         """The transformation in a connection or a mapping. Raises `SceneError`."""
@@ -146,7 +144,7 @@ class Document:
                     values = _values(typed, tag)
                     for k, written in enumerate(values, 1):
                         value = self._value(written, tag, here)
-                        given = Given(value, self.unit(typed, here), False, Change(), here)
+                        given = Given(value, self.unit(typed), False, Change(), here)
                         yield (name if len(values) == 1 else f"{name}[{k}]"), given
 
     def _value(self, written: str, tag: str, place: str) -> Value:

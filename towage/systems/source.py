@@ -28,6 +28,8 @@ from towage.units.store import cache
 
 MAX_XML = 64 * 2**20
 """Of a description, bytes."""
+LONGEST = 200
+"""Letters of a part of a name."""
 _SCHEME = re.compile("[A-Za-z][A-Za-z0-9+.-]*:")
 
 
@@ -50,7 +52,7 @@ class Files:
         path = posixpath.normpath(posixpath.join(posixpath.dirname(base), unquote(uri).replace("\\", "/")))
         if path.split("/")[0] == ".." and not self.beyond:
             self.fault(f"{uri!r} leaves the system: put the file beside the description", base)
-        if any(letter < " " for letter in path):
+        if any(letter < " " for letter in path) or max(map(len, path.split("/"))) > LONGEST:
             self.fault(f"{uri!r} is no name of a file", base)
         return path
 

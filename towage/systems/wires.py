@@ -47,7 +47,7 @@ class Wires:
             place = f"{here.place}: connector {name!r}"
             self.kinds[here.path, name] = kind
             for tag, typed in here.document.children(connector, (*TYPES, "Dimension"), place):
-                if tag != "Dimension" and (unit := here.document.unit(typed, place)):
+                if tag != "Dimension" and (unit := here.document.unit(typed)):
                     self._declare((here.path, name), unit, typed.get("unit", ""), place)
             if component and not self._variables(here.path, name):
                 self.network.say("warning", f"{place}: its FMU has no such variable")
@@ -85,7 +85,7 @@ class Wires:
             place = f"{here.place}: dictionary {name!r}"
             for _, entry in document.children(inner, ("DictionaryEntry",), place):
                 for _, typed in document.children(entry, TYPES, place):
-                    if unit := document.unit(typed, place):
+                    if unit := document.unit(typed):
                         self.network.units[here.dictionaries[name], entry.get("name", "")] = unit
 
     def reference(self, element: Element, here: Here) -> None:
