@@ -110,7 +110,7 @@ class Values:
             _, variable = self._names.find(f"{unit}.{name}", key)
             if not settable(variable):
                 kind = with_article(variable.causality)
-                message = "only parameters, inputs and what has a start value of its own can be set"
+                message = "only parameters and inputs can be set, and what has a start value of its own"
                 raise self._names.fault(f"{name!r} is {kind}: {message}", key)
             if name in entry.inputs and variable.causality != "input":
                 raise self._names.fault(f"{name!r} is a parameter: set it in [units.{unit}.parameters]", key)
