@@ -25,6 +25,7 @@ from tests.zoo.zoo import animal, told
 from towage.cli import main
 from towage.errors import SceneError
 from towage.master.master import run_resolved
+from towage.report.page import text_summary
 from towage.result.result import Result
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
@@ -210,6 +211,7 @@ def test_what_is_not_understood_is_on_the_card(tmp_path: Path) -> None:
     ):  # fmt: skip
         assert text in words
     assert "no stop time" not in told(run(path, stop_time=1.0), "system")
+    assert "<Colour> is not understood" in text_summary(run(path))
 
 
 FMU = "application/x-fmu-sharedlibrary"
