@@ -27,6 +27,7 @@ COMMANDS = {
     "check": "towage.commands.check",
     "validate": "towage.commands.validate",
     "export": "towage.commands.export",
+    "import": "towage.commands.import_system",
     "list": "towage.commands.list",
     "verify": "towage.commands.verify",
     "stability": "towage.commands.stability",

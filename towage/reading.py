@@ -145,9 +145,9 @@ def from_json(text: bytes, most: int = MAX_JSON) -> Any:
         raise Refused("lists or tables within one another too deep") from None
 
 
-def xml(stream: IO[bytes]) -> ElementTree.Element:
-    """The root element of an XML text without characters between elements. A DOCTYPE is refused before any entity of it is
-    looked at. Raises `Refused`, and what expat raises."""
+def xml(stream: IO[bytes], texts: bool = False) -> ElementTree.Element:
+    """The root element of an XML text; characters between elements are kept where ``texts``. A DOCTYPE is refused before any
+    entity of it is looked at. Raises `Refused`, and what expat raises."""
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
     depth, kept = 0, 0
 
@@ -170,7 +170,16 @@ def xml(stream: IO[bytes]) -> ElementTree.Element:
         depth -= 1
         builder.end(name)
 
+    def between(characters: str) -> None:
+        """Called for characters between elements."""
+        nonlocal kept
+        kept += len(characters)
+        limited(kept, MAX_TREE, "bytes of elements and attributes")
+        builder.data(characters)
+
     parser.StartDoctypeDeclHandler = doctype
+    if texts:
+        parser.CharacterDataHandler = between
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     given = 0

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.faults import boxes
+from tests.faults import boxes, systems
 from towage.commands.common import setting
 from towage.errors import FmuError
 from towage.files import sealed
@@ -75,6 +75,9 @@ def doors(folder: Path, door: Callable[[str, str, list[bytes], Callable[[Path], 
         door("reference", ".json", [reference.encode()], cases),
         door("forecast", ".nc", [_forecast(folder / "seed.nc")], _route_over),
         door("state", ".state", _states(), _state),
+        door("system", ".ssp", [systems.archive(folder / "seed.ssp")], _system),
+        door("structure", ".ssd", [systems.SSD.encode()], _system),
+        door("osp", ".xml", [systems.OSP.encode()], _system),
     ]
 
 
@@ -104,6 +107,17 @@ def _setting(path: Path) -> None:
         setting(path.read_text("utf-8", "replace"))
     except argparse.ArgumentTypeError as error:
         raise FmuError(str(error)) from error  # which argparse makes exit code 2
+
+
+def _system(path: Path) -> None:
+    """A system of another format, its FMU beside it; what it unpacks is removed."""
+    import os
+    import tempfile
+    from unittest import mock
+
+    boxes.build(path.parent / "box.fmu")
+    with tempfile.TemporaryDirectory() as place, mock.patch.dict(os.environ, TOWAGE_CACHE=place):
+        check_all(Scene.load(path), locator())
 
 
 def _archive(path: Path) -> None:

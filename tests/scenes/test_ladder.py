@@ -24,13 +24,13 @@ from towage.ladder.lift import wire
 from towage.ladder.measure import asked, bare
 from towage.ladder.report import document, markdown, text, write_report
 from towage.ladder.rungs import Rung, axes_of, rungs_of
-from towage.ladder.scene_file import toml
 from towage.ladder.simplest import Ladder, recommended, scene_of, simplest
 from towage.models.heave.linear import equal_loss, equivalent_damping, transient
 from towage.result.result import Result
 from towage.scene.parts import Record
 from towage.scene.resolve import described
 from towage.scene.scene import Scene, available_scenes
+from towage.scene.scene_file import toml
 from towage.scene.select import select
 from towage.units.store import locator
 

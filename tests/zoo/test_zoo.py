@@ -89,6 +89,12 @@ def test_a_unit_that_does_no_step_across_a_time_fails_there(tmp_path: Path) -> N
     assert len(result.step_sizes) < 100
 
 
+def test_a_unit_that_forgets_what_was_set_before_the_experiment(tmp_path: Path) -> None:
+    """Those of 20-sim: start values are set when the experiment is."""
+    units = {"a": {"fmu": animal(tmp_path / "a.fmu", "forgets"), "parameters": {"gain": 3.0, "x0": 1.0}, **ONE}}
+    assert run(units, [])["a.y"][-1] == pytest.approx(7.0, rel=1e-12)
+
+
 @pytest.mark.parametrize("noise", [1e-7, 1e-4])
 def test_the_noise_of_a_repeated_step_is_measured_and_what_is_too_much_is_not_repeated(tmp_path: Path, noise: float) -> None:
     """The FMUs of Dymola: a variable-step solver inside."""

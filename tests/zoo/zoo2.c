@@ -35,6 +35,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean defined, fmi2Real to
     Zoo *z = c;
     z->time = start;
     z->real[TOLERANCE] = defined ? tolerance : -1.0;
+    if (is(z, "forgets")) z->real[GAIN] = 1.0, z->real[X0] = 0.0; /* what was set before the experiment, as 20-sim's do */
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { ((Zoo *)c)->initialising = true; return fmi2OK; }

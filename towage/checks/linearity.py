@@ -96,7 +96,7 @@ def drive_of(run: Finished, unit: str, name: str) -> Array:
             source = f"{c.source_unit}.{c.source}"
             if source not in run.track.columns:
                 raise CableError(f"{source}, which drives {unit}.{name}, was not observed: add it to record.variables")
-            values: Array = c.factor * run.track.at(source, run.times)
+            values: Array = c.factor * run.track.at(source, run.times) + c.offset
             return values
     entry = run.scene.units[unit]
     start = next((v.start for v in entry.description.variables if v.name == name), 0.0)

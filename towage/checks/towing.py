@@ -64,7 +64,7 @@ def _values(unit: ResolvedUnit) -> dict[str, float]:
 
 def _drive(resolved: ResolvedScene, name: str) -> tuple[float, float] | None:
     for c in resolved.connections:
-        if c.target_unit == name and c.target in ("velocity_heave", "top_velocity_heave"):
+        if not c.changed and c.target_unit == name and c.target in ("velocity_heave", "top_velocity_heave"):
             values = _values(resolved.units[c.source_unit])
             amplitude, period = values.get("heave_amplitude"), values.get("heave_period")
             if amplitude and period:

@@ -1,5 +1,6 @@
 """What the master takes on trust of units of other makes, said before the run: descriptions that break the standard, units of
-measure that nobody defines, and names that are read as conventions because their unit of measure fits."""
+measure that nobody defines, and names that are read as conventions because their unit of measure fits; and what was filled in or
+not understood of a system of another format."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
 
 def before(start: Start) -> list[Finding]:
     """A warning for each thing that was taken although something is wrong with it, a note for each convention."""
-    findings = [Finding("units", "warning", None, None, text) for text in start.scene.warnings]
+    findings = [Finding("system", note.level, None, None, note.text) for note in start.scene.scene.notes]
+    findings += [Finding("units", "warning", None, None, text) for text in start.scene.warnings]
     for name, unit in start.scene.units.items():
         if said := guessed(unit.description):
             findings.append(Finding("units", "info", None, None, f"{name}: {'; '.join(said)}"))
@@ -24,11 +26,16 @@ def before(start: Start) -> list[Finding]:
 
 TOLD = ("end", "grid", "noise", "late outputs", "messages")
 """Findings of the run that its summary repeats."""
+MOST = 5
+"""Warnings about a system of another format that the summary repeats."""
 
 
 def summary(result: Result) -> list[tuple[str, str]]:
     """What a reader of the verdict has to know of the units."""
-    return [line for name in TOLD for line in told(result, name)]
+    warnings = [f.message for f in result.checks if f.name == "system" and f.level == "warning"]
+    if len(warnings) > MOST:
+        warnings[MOST:] = [f"and {len(warnings) - MOST} more warnings, which the report lists"]
+    return [*(("system", text) for text in warnings), *(line for name in TOLD for line in told(result, name))]
 
 
 CHECK = Check(

@@ -100,6 +100,10 @@ def lines(run: Finished) -> list[Line | Finding]:
         mass, stiffness = unit.constant("wire_mass"), unit.constant("port_stiffness")
         if mass is None or stiffness is None or (name, "heave_top") not in sources:
             continue
+        if any(c.changed and name in (c.source_unit, c.target_unit) for c in run.scene.connections):
+            text = f"a connection of {name} is transformed by the scene"
+            found.append(Finding(UNKNOWN, "info", None, None, f"the mass of the wire is not judged: {text}"))
+            continue
         body, heave = sources.get((name, "heave_bottom"), (name, f"{name}.heave"))
         load = masses(units[body], run.scene.scene.stop_time)
         if not load:

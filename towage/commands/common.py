@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
     """The scene, its cases and values, where its units are, and how long one may take."""
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, the name of a shipped scene, or a system of SSP or OSP")
     parser.add_argument("--case", metavar="NAME", action="append", help="only this case (may be repeated)")
     parser.add_argument(
         "--set",
@@ -56,7 +56,7 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
 
 def add_one_scene(parser: argparse.ArgumentParser) -> None:
     """The scene with at most one of its cases, its values, and where its units are."""
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, the name of a shipped scene, or a system of SSP or OSP")
     parser.add_argument("--case", metavar="NAME", help="with the values of this case (default: the scene's own)")
     parser.add_argument(
         "--set",

@@ -93,8 +93,8 @@ def _scene_file(ladder: Ladder, path: Path) -> list[Path]:
     """The file of the recommended scene, if there is one."""
     from towage.files import atomic_write
     from towage.ladder.axis import moved
-    from towage.ladder.scene_file import toml
     from towage.ladder.simplest import scene_of
+    from towage.scene.scene_file import toml
 
     if not ladder.enough:
         return []

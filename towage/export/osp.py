@@ -41,7 +41,11 @@ class Port(NamedTuple):
 
 
 def write_osp(export: Export, directory: Path) -> list[Path]:
-    """Write the system; the host is given ``directory``. Files of the same names are replaced. Raises `TowageError`."""
+    """Write the system; the host is given ``directory``. Files of the same names are replaced. Raises `TowageError`, a
+    `SceneError` where values are looked up in a table, for which OSP has no function."""
+    if tables := [str(c) for c in export.resolved.connections if c.values]:
+        message = "looks values up, for which OSP has no function: export with --ssp"
+        raise export.resolved.scene.error(message, f"transformations.{tables[0]}")
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -18,7 +18,7 @@ from towage.export.export import Export, text
 from towage.fmus.declare.quantities import BASES
 from towage.fmus.describe.archive import write
 from towage.fmus.describe.fmi2 import document
-from towage.scene.resolve import ResolvedUnit
+from towage.scene.resolve import ResolvedConnection, ResolvedUnit
 from towage.units.description import UnitDefinition, Variable
 
 NAMESPACES = {
@@ -73,11 +73,13 @@ def system_structure(export: Export) -> bytes:
     for c in export.resolved.connections:
         ends = {"startElement": c.source_unit, "startConnector": c.source}
         ends |= {"endElement": c.target_unit, "endConnector": c.target}
-        if (c.factor, c.offset) == (1.0, 0.0):
-            SubElement(connections, "ssd:Connection", ends)
-        else:
-            connection = SubElement(connections, "ssd:Connection", {**ends, "suppressUnitConversion": "true"})
+        linear = (c.factor, c.offset) != (1.0, 0.0)
+        own = {"suppressUnitConversion": "true"} if linear or c.changed else {}
+        connection = SubElement(connections, "ssd:Connection", {**ends, **own})
+        if linear:
             SubElement(connection, "ssc:LinearTransformation", {"factor": text(c.factor), "offset": text(c.offset)})
+        elif c.values:
+            _table(connection, c, export.variable(c.source_unit, c.source), export.variable(c.target_unit, c.target))
     _define(root, "ssd", units)
     times = {"startTime": "0", "stopTime": text(scene.stop_time)}
     annotations = SubElement(SubElement(root, "ssd:DefaultExperiment", times), "ssd:Annotations")
@@ -85,6 +87,15 @@ def system_structure(export: Export) -> bytes:
     algorithm = SubElement(annotation, "osp:Algorithm")
     SubElement(algorithm, "osp:FixedStepAlgorithm", {"baseStepSize": text(export.step)})
     return document(root)
+
+
+def _table(connection: Element, c: ResolvedConnection, source: Variable, target: Variable) -> None:
+    """The values of a discrete connection that are looked up."""
+    kind = "Boolean" if source.type == "Boolean" else "Integer"
+    mapping = SubElement(connection, f"ssc:{kind}MappingTransformation")
+    for one, other in c.values:
+        known = [bool(v) if variable.type == "Boolean" else int(v) for v, variable in ((one, source), (other, target))]
+        SubElement(mapping, "ssc:MapEntry", {"source": text(known[0]), "target": text(known[1])})
 
 
 def _root(tag: str, prefixes: Iterable[str], name: str) -> Element:

@@ -10,12 +10,12 @@ from typing import Any
 
 from towage.files import atomic_write
 from towage.ladder.rungs import Rung
-from towage.ladder.scene_file import toml
 from towage.ladder.simplest import Ladder, scene_of
 from towage.report.format import Markup, badge, details, figure, number, page, percent, table
 from towage.report.page import ASCII
 from towage.report.plots import BLUE, GREEN, RED
 from towage.report.svg import canvas
+from towage.scene.scene_file import toml
 
 LEAST = 1e-6
 """Errors below this are drawn as this."""

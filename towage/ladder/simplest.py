@@ -99,6 +99,9 @@ def simplest(
     chosen = one_case(scene, case, set)
     if tolerance is not None and not 0.0 < tolerance < math.inf:
         raise chosen.error(f"{tolerance} is out of range: expected a finite number above 0", "tolerance")
+    if chosen.transformations:
+        text = "what these connections become in a simpler scene is not known: the ladder is for scenes without"
+        raise chosen.error(text, "transformations")
     way = _Way(None if fmus is None else Path(fmus), flavour, timeout, report)
     locate = locator(way.fmus)
     resolved = described(chosen, locate)  # a scene that is refused is refused before anything runs

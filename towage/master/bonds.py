@@ -63,7 +63,10 @@ def bonds(scene: ResolvedScene) -> list[Bond]:
 
 
 def _dimension(scene: ResolvedScene, connection: ResolvedConnection) -> tuple[int, ...] | None:
-    """Exponents of the base units of what the source sends; None if its unit is not declared."""
+    """Exponents of the base units of what the source sends; None if its unit is not declared, or if the scene transforms it: both
+    ends are then not the same quantity, and no power passes."""
+    if connection.changed:
+        return None
     description = scene.units[connection.source_unit].description
     definition = description.units.get(description.by_name()[connection.source].unit or "")
     return definition.exponents if definition else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from towage.scene.resolve import ResolvedConnection, ResolvedScene, ResolvedUnit
@@ -14,9 +14,10 @@ from towage.units.wiring import Input, Wanted
 
 @dataclass(slots=True)
 class Signal:
-    """One connection at work: target = factor * source + offset. ``rated``: its source reports the rate, which ``unknown``
-    is before the first step where a function tells it; ``backward``: its source comes after its target; ``discrete``: held
-    over a step; ``at_end``: held at its end, because what goes straight through the target is right there."""
+    """One connection at work: target = factor * source + offset, or what ``table`` has for it. ``rated``: its source reports the
+    rate, which ``unknown`` is before the first step where a function tells it; ``backward``: its source comes after its
+    target; ``discrete``: held over a step; ``at_end``: held at its end, because what goes straight through the target is right
+    there."""
 
     connection: ResolvedConnection
     source: int
@@ -38,6 +39,7 @@ class Signal:
     old_value: float = 0.0
     scale: float = 0.0
     backward: bool = False
+    table: dict[float, float] = field(default_factory=dict)
     polynomial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -64,7 +66,7 @@ def signal(connection: ResolvedConnection, units: Sequence[Unit], number: Mappin
     unknown = by_function and not unit.description.conventions
     return Signal(
         connection, source, target, place, unit.slot[connection.source], rate, factor, connection.offset, factor * scale,
-        rate >= 0 and not discrete, unknown, discrete, place.feedthrough,
+        rate >= 0 and not discrete, unknown, discrete, place.feedthrough, table=dict(connection.values),
     )  # fmt: skip
 
 

@@ -85,10 +85,10 @@ class System:
             for c in scene.connections if c not in numeric
         ]  # fmt: skip
         self.discrete = [s for s in self.signals if s.discrete]
-        self._offset: dict[int, list[Signal]] = {}
+        self._changed: dict[int, list[Signal]] = {}
         for s in self.signals:
-            if s.offset:
-                self._offset.setdefault(s.source, []).append(s)
+            if s.offset or s.table:
+                self._changed.setdefault(s.source, []).append(s)
         self.unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
@@ -272,9 +272,9 @@ class System:
             s.end_value = values[s.slot] * s.factor
             if s.rated:
                 s.end_rate = values[s.rate_slot] * s.rate_factor
-        if i in self._offset:
-            for s in self._offset[i]:
-                s.end_value += s.offset
+        if i in self._changed:
+            for s in self._changed[i]:
+                s.end_value = s.table.get(s.end_value, s.end_value) + s.offset
 
     def _write(self, i: int, step: float) -> None:
         unit = self.units[i]

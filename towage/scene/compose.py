@@ -32,6 +32,8 @@ def unit_of(resolved: ResolvedScene, name: str) -> Unit:
         given = resolved.units[part].parameters
         values = {name: value for name, value in given.items() if isinstance(value, float)}
         parts.append(Part(part, load(entry.fmu), values))
+    if changed := [c for c in resolved.connections if c.offset or c.values]:
+        raise scene.error(f"{changed[0]} adds an offset or looks values up, which cannot be composed", "connections")
     connections = [
         Connection((c.source_unit, c.source), (c.target_unit, c.target), c.factor) for c in resolved.connections
     ]

@@ -33,6 +33,17 @@ class UnitEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return "inputs" if variable in self.inputs else "parameters"
 
 
+class Transformation(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """``[transformations."a.y -> b.u"]``: what a connection does to the value beyond passing it on. Numbers become ``factor``
+    times the value plus ``offset``, after the conversion between two units of measure unless ``convert`` is false. Integers,
+    enumerations and truth values are looked up in ``values``, under their text; one that is not there passes unchanged."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+    convert: bool = True
+    values: dict[str, Value] = {}
+
+
 class Coupling(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``[coupling]``: exactly one of ``step`` (s) and ``tolerance`` (relative error of the coupling) is given."""
 

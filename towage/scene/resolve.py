@@ -19,15 +19,18 @@ from towage.registry import SCHEMES
 from towage.scene.inputs import check_constants, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
+from towage.scene.transform import carried
 from towage.scene.values import Names, Values, with_article
 from towage.units.archive import read_description
 from towage.units.conventions import has
 from towage.units.description import Description, Value, Variable
+from towage.units.loops import loops_of, presumed
 from towage.units.store import Locate
 
 
 class ResolvedConnection(NamedTuple):
-    """Target value = factor * source value + offset; a text is passed on as it is."""
+    """Target value = factor * source value + offset, or what ``values`` has for a discrete one; a text is passed on as it is.
+    ``changed``: the scene transforms the value, so that both ends are not the same quantity."""
 
     source_unit: str
     source: str
@@ -35,6 +38,8 @@ class ResolvedConnection(NamedTuple):
     target: str
     factor: float
     offset: float = 0.0
+    values: tuple[tuple[float, float], ...] = ()
+    changed: bool = False
 
     def __str__(self) -> str:
         return f"{self.source_unit}.{self.source} -> {self.target_unit}.{self.target}"
@@ -159,7 +164,7 @@ def _bare(scene: Scene, names: Names) -> ResolvedScene:
     _check_single_sources(connections, names)
     values = Values(names)
     units = {name: ResolvedUnit(name, d.path, d, values.of(name)) for name, d in names.descriptions.items()}
-    loops = tuple(" -> ".join(loop) for loop in _loops(connections, names.descriptions))
+    loops = tuple(" -> ".join(loop) for loop in loops_of([c[:4] for c in connections], names.descriptions))
     said = [f"{name}: {text}" for name, d in names.descriptions.items() for text in d.warnings]
     warnings = tuple(dict.fromkeys((*said, *names.warnings)))
     return ResolvedScene(scene, units, connections, names.record(), loops, warnings=warnings)
@@ -171,10 +176,9 @@ def _connection(text: str, key: str, names: Names) -> ResolvedConnection:
         if variable.causality != wanted:
             kind = with_article(variable.causality)
             raise names.fault(f"{unit}.{variable.name} is {kind}: expected {with_article(wanted)}", key)
-    if source.type != target.type:
-        raise names.fault(f"{text!r} joins {source.type} to {target.type}: the types must agree", key)
-    factor, offset = names.conversion(text, source_unit, source, target_unit, target, key)
-    return ResolvedConnection(source_unit, source.name, target_unit, target.name, factor, offset)
+    done = carried(names, text, (source_unit, source), (target_unit, target), key)
+    changed = text in names.scene.transformations
+    return ResolvedConnection(source_unit, source.name, target_unit, target.name, *done, changed)
 
 
 def _ends(text: str, key: str, names: Names) -> tuple[tuple[str, Variable], tuple[str, Variable]]:
@@ -235,50 +239,16 @@ def _check_loops(loops: tuple[str, ...], names: Names) -> None:
     that such a loop is only presumed."""
     if not loops:
         return
-    ends = (node.partition(".") for loop in loops for node in loop.split(" -> "))
-    presumed = any(names.descriptions[unit].dependencies.get(name, ()) is None for unit, _, name in ends)
+    guessed = any(presumed(loop.split(" -> "), names.descriptions) for loop in loops)
     scheme = names.scene.coupling.scheme
     if scheme != "auto":
         chosen = SCHEMES.get(scheme)
-        if chosen.solves_loops or (presumed and not chosen.goes_back):
+        if chosen.solves_loops or (guessed and not chosen.goes_back):
             return
-    note = " (outputs without declared dependencies count as direct)" if presumed else ""
-    hint = "; if one of them has a state all the same, say so by scheme 'extrapolate'" if presumed else ""
+    note = " (outputs without declared dependencies count as direct)" if guessed else ""
+    hint = "; if one of them has a state all the same, say so by scheme 'extrapolate'" if guessed else ""
     raise names.fault(
         f"algebraic loop {'; '.join(loops)}{note}, which scheme {scheme!r} cannot solve: "
         f"use scheme 'implicit', or break the loop with a unit that has a state{hint}",
         "connections",
     )
-
-
-def _loops(connections: tuple[ResolvedConnection, ...], descriptions: Mapping[str, Description]) -> list[tuple[str, ...]]:
-    """A shortest cycle through each output that can reach itself by connections and direct dependencies, each once."""
-    after: dict[str, list[str]] = {}
-    for c in connections:
-        after.setdefault(f"{c.source_unit}.{c.source}", []).append(f"{c.target_unit}.{c.target}")
-        for output, inputs in descriptions[c.target_unit].dependencies.items():
-            if inputs is None or c.target in inputs:
-                after.setdefault(f"{c.target_unit}.{c.target}", []).append(f"{c.target_unit}.{output}")
-    loops: list[tuple[str, ...]] = []
-    for start in dict.fromkeys(f"{c.source_unit}.{c.source}" for c in connections):
-        if not any(start in loop for loop in loops) and (loop := _cycle(start, after)):
-            loops.append(loop)
-    return loops
-
-
-def _cycle(start: str, after: Mapping[str, list[str]]) -> tuple[str, ...]:
-    """A shortest way from ``start`` back to it; empty if there is none."""
-    before: dict[str, str] = {}
-    queue = [start]
-    while queue and start not in before:
-        node = queue.pop(0)
-        for following in after.get(node, ()):
-            if following not in before:
-                before[following] = node
-                queue.append(following)
-    if start not in before:
-        return ()
-    loop = [start, before[start]]
-    while loop[-1] != start:
-        loop.append(before[loop[-1]])
-    return tuple(reversed(loop))

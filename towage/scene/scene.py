@@ -17,14 +17,17 @@ from msgspec.structs import replace
 
 from towage.errors import SceneError, suggest
 from towage.registry import CHECKS, SCHEMES
-from towage.scene.parts import Case, Checks, Coupling, Empty, Record, UnitEntry
+from towage.scene.parts import Case, Checks, Coupling, Empty, Record, Transformation, UnitEntry
+from towage.scene.scene_file import toml
 from towage.scene.tables import Tables, find_file, plain, read_toml
+from towage.systems.load import network_of, system_file, tables_of
+from towage.systems.network import Note
 
 __all__ = ["Case", "Checks", "Coupling", "Record", "Scene", "SceneSummary", "UnitEntry", "available_scenes"]
 
 SHIPPED, ROUTES = (Path(__file__).parents[1] / name for name in ("scenes", "routes"))
 _FIELDS = (
-    "title", "description", "stop_time", "units", "connections", "coupling", "record", "checks", "cases"
+    "title", "description", "stop_time", "units", "connections", "transformations", "coupling", "record", "checks", "cases"
 )  # fmt: skip
 """Keys of a scene file; the other fields of a `Scene` say where it comes from."""
 _EXCLUSIVE = {"coupling.step": "coupling.tolerance", "coupling.tolerance": "coupling.step"}
@@ -41,8 +44,9 @@ class SceneSummary(NamedTuple):
 class Scene(msgspec.Struct, frozen=True, kw_only=True):
     """A scene file. Connections are spelled "unit.output -> unit.input", with single spaces.
 
-    ``chosen`` is the name of the case whose values are in it. ``file`` and ``source`` are where it was read from and its
-    text, None and "" for a scene made from a dict.
+    ``transformations`` are by connection. ``chosen`` is the name of the case whose values are in it. ``file`` and ``source``
+    are where it was read from and its text, None and "" for a scene made from a dict; ``notes`` what is to be said of a file of
+    another format.
     """
 
     title: str
@@ -51,17 +55,21 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
     coupling: Coupling
     description: str = ""
     connections: tuple[str, ...] = ()
+    transformations: dict[str, Transformation] = {}
     record: Record = Record()
     checks: Checks = Checks()
     cases: tuple[Case, ...] = ()
     chosen: str = ""
     file: Path | None = None
     source: str = ""
+    notes: tuple[Note, ...] = ()
 
     @classmethod
     def load(cls, path_or_name: str | Path, search: Iterable[Path] = ()) -> Scene:
-        """The scene in a file, or of a name in one of the directories of ``search`` or among the shipped ones. Raises
-        `SceneError`."""
+        """The scene in a file, or of a name in one of the directories of ``search`` or among the shipped ones; or the system
+        in a file of SSP or OSP (`towage.systems.load`). Raises `SceneError`."""
+        if system_file(path_or_name):
+            return _of_system(path_or_name)
         routes = (ROUTES,) if (ROUTES / f"{path_or_name}.toml").is_file() else ()  # refused by what it is
         path = find_file(path_or_name, (*search, SHIPPED, *routes), "scene")
         text, data = read_toml(path)
@@ -106,7 +114,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
             scene = _read(data, self.file)
         except SceneError as error:
             raise self.error(f"{error.key}: {error.args[0]}", key) from None
-        return replace(scene, source=self.source, chosen=self.chosen)
+        notes = tuple(note for note in self.notes if note.key not in values)
+        return replace(scene, source=self.source, chosen=self.chosen, notes=notes)
 
     def _place(self, data: dict[str, Any], target: str, key: str) -> tuple[dict[str, Any], str]:
         """The table in ``data`` that ``target`` names, and the key in it."""
@@ -139,7 +148,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
             one = min(missing)
             raise self.error(f"there is no connection {one!r}" + suggest(one, self.connections), "connections")
         rest = tuple(text for text in self.connections if text not in cut)
-        return replace(self.without_comparisons(), connections=rest)
+        kept = {text: change for text, change in self.transformations.items() if text not in cut}
+        return replace(self.without_comparisons(), connections=rest, transformations=kept)
 
     def without_comparisons(self) -> Scene:
         """The scene without the tables of its checks."""
@@ -162,6 +172,14 @@ def available_scenes() -> tuple[SceneSummary, ...]:
     return tuple(SceneSummary(path.stem, Scene.load(path).title) for path in sorted(SHIPPED.glob("*.toml")))
 
 
+def _of_system(given: str | Path) -> Scene:
+    """The system in a file of another format, as a scene."""
+    network = network_of(given)
+    data, notes = tables_of(network, (*_FIELDS, "file", "source"))
+    scene = Scene.from_dict(data, network.file)
+    return replace(scene, notes=notes, source=toml(scene))
+
+
 def _read(data: dict[str, Any], file: Path | None) -> Scene:
     """The scene in plain tables."""
     tables = Tables(file)
@@ -177,6 +195,7 @@ def _read(data: dict[str, Any], file: Path | None) -> Scene:
     converted = {
         "stop_time": tables.seconds(data.get("stop_time"), "stop_time"),
         "units": _units(tables, data.get("units", {})),
+        "transformations": _transformations(tables, data.get("transformations", {})),
         "coupling": tables.structure(data["coupling"], Coupling, "coupling"),
         "record": tables.structure(data.get("record", {}), Record, "record"),
         "checks": _checks(tables, data.get("checks", {})),
@@ -206,6 +225,14 @@ def _units(tables: Tables, given: object) -> dict[str, UnitEntry]:
         if twice := min(unit.parameters.keys() & unit.inputs.keys(), default=""):
             tables.fail(f"is set under parameters too, as {unit.parameters[twice]!r}", f"units.{name}.inputs.{twice}")
     return units
+
+
+def _transformations(tables: Tables, given: object) -> dict[str, Transformation]:
+    """``[transformations]``, by connections in their one spelling."""
+    return {
+        tables.connection(text, "transformations"): tables.structure(entry, Transformation, f"transformations.{text}")
+        for text, entry in tables.table(given, "transformations").items()
+    }
 
 
 def _checks(tables: Tables, given: object) -> Checks:
@@ -243,6 +270,12 @@ def _check(scene: Scene) -> None:
     for key, length in lengths.items():
         if length is not None and length > scene.stop_time:
             raise scene.error(f"{length} s is longer than stop_time, {scene.stop_time} s", key)
+    for text, change in scene.transformations.items():
+        if text not in scene.connections:
+            hint = suggest(text, scene.connections)
+            raise scene.error(f"there is no connection {text!r}{hint}", "transformations")
+        if not math.isfinite(change.factor) or not math.isfinite(change.offset):
+            raise scene.error("factor and offset must be finite", f"transformations.{text}")
     cases = [case.name for case in scene.cases]
     for index, name in enumerate(cases):
         if not name.strip() or name in cases[:index]:

@@ -74,7 +74,9 @@ class Names:
             return 1.0, 0.0
         if ours is None or theirs is None:
             which, other = (source.unit, target.unit) if ours is None else (target.unit, source.unit)
-            self.warnings.append(f"{text!r}: {which!r} is defined nowhere, so values pass unchanged, as if it were {other!r}")
+            self.warnings.append(
+                f"{text!r}: {which!r} is defined nowhere, so values pass unchanged, as if it were {other!r}"
+            )
             return 1.0, 0.0
         if ours[0] != theirs[0]:
             first, second = (f"{v.unit} [{base_expression(d[0])}]" for v, d in ((source, ours), (target, theirs)))
@@ -106,9 +108,10 @@ class Values:
             raise self._names.fault(f"circular reference {cycle}", key)
         if (unit, name) not in self._known:
             _, variable = self._names.find(f"{unit}.{name}", key)
-            if variable.causality not in ("parameter", "input") or variable.variability == "constant":
+            if not settable(variable):
                 kind = with_article(variable.causality)
-                raise self._names.fault(f"{name!r} is {kind}: only parameters and inputs can be set", key)
+                message = "only parameters and inputs can be set, and what has a start value of its own"
+                raise self._names.fault(f"{name!r} is {kind}: {message}", key)
             if name in entry.inputs and variable.causality != "input":
                 raise self._names.fault(f"{name!r} is a parameter: set it in [units.{unit}.parameters]", key)
             given = entry.values[name]
@@ -136,7 +139,7 @@ class Values:
 
     def _checked(self, unit: str, variable: Variable, given: Value, key: str) -> Value:
         """``given`` as a value of the variable's type, inside its bounds."""
-        value: Value = given
+        value: Value = variable.items.get(given, given) if isinstance(given, str) else given
         if variable.type == "Real" and isinstance(given, str):
             value = self._quantity(unit, variable, given, key)
         elif variable.type == "Real" and isinstance(given, int) and not isinstance(given, bool):
@@ -145,7 +148,9 @@ class Values:
         if variable.type == "Binary" and not re.fullmatch(r"([0-9a-fA-F]{2}|\s)*", str(value)):
             raise self._names.fault(f"{given!r} is no Binary: write hexadecimal digits, two a byte", key)
         if type(value) is not expected:
-            raise self._names.fault(f"{given!r} is no {variable.type}, as {variable.name} is", key)
+            items = ", ".join(variable.items)
+            hint = f"{suggest(str(given), variable.items)}; expected one of: {items}" if items else ""
+            raise self._names.fault(f"{given!r} is no {variable.type}, as {variable.name} is{hint}", key)
         if isinstance(value, (bool, str)):
             return value
         if not math.isfinite(value):
@@ -181,6 +186,13 @@ class Values:
             return (parse_quantity(text, base_expression(exponents)) - offset) / factor
         except ValueError as error:
             raise self._names.fault(f"{error} (the unit of {variable.name} is {variable.unit})", key) from None
+
+
+def settable(variable: Variable) -> bool:
+    """Whether a variable may be given a value before a run: a parameter, an input, or one whose start value is not calculated."""
+    if variable.variability == "constant":
+        return False
+    return variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
 
 
 def with_article(causality: str) -> str:

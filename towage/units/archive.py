@@ -65,7 +65,7 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 @functools.lru_cache(maxsize=64)
 def _read(path: Path, *stamp: int) -> Description:
-    with _opened(path) as archive:
+    with opened(path) as archive:
         return _describe(path, archive)
 
 
@@ -94,7 +94,7 @@ def extract(path: Path, directory: Path, replace: bool = False) -> None:
     A directory that already holds the same files is left alone, so processes that unpack one FMU at the same time all
     succeed. One that holds something else is replaced if ``replace``. Raises ``FmuError``, also if it is not.
     """
-    with _opened(path) as archive:
+    with opened(path) as archive:
         platform = check_platform(description := _describe(path, archive))
         entry = f"binaries/{platform}/{description.model_identifier}{binary.platform_name()[1]}"
         if problem := _library_problem(archive, entry):
@@ -136,7 +136,7 @@ def _placed(folder: Path, directory: Path, archive: zipfile.ZipFile, replace: bo
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+def opened(path: Path) -> Iterator[zipfile.ZipFile]:
     """The archive, its names and sizes checked; whatever goes wrong while it is open becomes a ``FmuError``."""
     try:
         reading.checked_file(path)
@@ -230,12 +230,12 @@ def _holds(directory: Path, archive: zipfile.ZipFile) -> bool:
             continue
         if place.is_symlink() or not place.is_file() or place.stat().st_size != entry.file_size:
             return False
-        if _crc(place) != entry.CRC:
+        if crc(place) != entry.CRC:
             return False
     return True
 
 
-def _crc(path: Path) -> int:
+def crc(path: Path) -> int:
     """CRC-32 of a file, which is not taken into memory."""
     code = 0
     with open(path, "rb") as file:

@@ -18,7 +18,8 @@ class Variable(msgspec.Struct, frozen=True):
     ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless. ``needed``: an
     input that a scene has to connect or set; ``unset``: what it means if it does not, where the unit says so
     (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and read;
-    ``array``: the number of elements of the array that it is an element of, which share the value reference.
+    ``array``: the number of elements of the array that it is an element of, which share the value reference; ``items``: the
+    values of an enumeration by name.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Variable(msgspec.Struct, frozen=True):
     unset: str = ""
     kind: str = "Real"
     array: int = 1
+    items: dict[str, int] = {}
 
 
 class UnitDefinition(msgspec.Struct, frozen=True):

@@ -156,14 +156,15 @@ class Instance:
         tolerance: float | None,
     ) -> None:
         """Set start values and enter initialisation mode. ``span``: start and stop, s; ``tolerance``: relative, for what the
-        unit solves itself, None: its own. Raises `RunError`."""
+        unit solves itself, None: its own. Units of 20-sim forget what was set before the experiment is. Raises `RunError`."""
+        with self._stage("setting up the experiment", span[0]):
+            self._slave.setupExperiment(tolerance=tolerance, startTime=span[0], stopTime=span[1])
         with self._stage("setting start values", span[0]):
             for name, value in start.items():
                 v = variables[name]
                 setter = getattr(self._slave, f"set{'Integer' if v.type == 'Enumeration' else v.type}")
                 setter([v.value_reference], [value])
         with self._stage("initialisation", span[0]):
-            self._slave.setupExperiment(tolerance=tolerance, startTime=span[0], stopTime=span[1])
             self._slave.enterInitializationMode()
 
     def begin(self, time: float) -> None:

@@ -84,6 +84,7 @@ class DescriptionReader:
         self.types: dict[str, ElementTree.Element] = {}
         for simple in root.iterfind("TypeDefinitions/SimpleType"):
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
+        self.items: dict[str, dict[str, int]] = {}
         said = root.iterfind(f"{self.annotation}/Inputs/Input")
         self.inputs = {element.get("name", ""): element for element in said}
 
@@ -160,6 +161,16 @@ class DescriptionReader:
         said = self.inputs.get(name)
         return (False, "") if said is None else (self.flag(said, "needed"), said.get("unset", ""))
 
+    def items_of(self, declared: str | None) -> dict[str, int]:
+        """The values of an enumeration by name; the same dictionary for all variables of a type, as there may be many."""
+        if declared is None or declared not in self.types:
+            return {}
+        if declared not in self.items:
+            found = self.types[declared].iterfind("Item")
+            values = {item.get("name", ""): number_of(item, "value", int) for item in found}
+            self.items[declared] = {name: value for name, value in values.items() if name and value is not None}
+        return self.items[declared]
+
     @staticmethod
     def flag(element: ElementTree.Element, key: str) -> bool:
         """A Boolean attribute; false where it is missing."""
@@ -216,6 +227,7 @@ class DescriptionReader:
             description=element.get("description", ""),
             needed=self.meant(name)[0],
             unset=self.meant(name)[1],
+            items=self.items_of(declared),
         )
 
     def dependencies(self, variables: tuple[Variable, ...]) -> dict[str, tuple[str, ...] | None]:

@@ -137,6 +137,7 @@ class DescriptionReader3(DescriptionReader):
                 array=count,
                 needed=needed,
                 unset=unset,
+                items=self.items_of(element.get("declaredType")),
             )
 
     def length(self, dimension: ElementTree.Element) -> int:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from towage.scene.scene import Scene
+if TYPE_CHECKING:
+    from towage.scene.scene import Scene
 
-LEFT_OUT = ("parameters", "inputs", "set", "record", "cases", "checks", "report_only", "description", "connections")
+LEFT_OUT = (
+    "parameters", "inputs", "set", "record", "cases", "checks", "report_only", "description", "connections", "transformations",
+    "values",
+)  # fmt: skip
 """What a file has no need of where it is empty."""
 
 

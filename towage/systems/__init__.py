@@ -1,0 +1,1 @@
+"""Systems of other formats (SSP, OSP) as the tables of a scene."""
