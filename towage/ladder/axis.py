@@ -143,14 +143,19 @@ def _same(trial: Trial) -> Trial:
     return trial
 
 
+def _always(trial: Trial) -> bool:
+    return True
+
+
 @dataclass(frozen=True)
 class Level:
     """One way to model something. ``make`` changes a trial into one that does, or raises `Unfit`; ``leaves_out``: what it
-    does not know, empty for the fullest."""
+    does not know, empty for the fullest; ``asked(trial)``: whether a scene has this level at all."""
 
     name: str
     leaves_out: str = ""
     make: Callable[[Trial], Trial] = _same
+    asked: Callable[[Trial], bool] = _always
 
 
 @dataclass(frozen=True)

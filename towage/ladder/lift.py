@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from towage.ladder.axis import Axis, Level, Trial, Unfit, entry
-from towage.ladder.wire import coarse, sprung, wires
+from towage.ladder.wire import coarse, has_wire, sprung, wires
 from towage.models.heave.linear import equal_loss
 from towage.models.protocol.physical import GRAVITY
 
@@ -205,7 +205,7 @@ LINE = Axis(
         Level("always taut", "slack; mass, waves and payout of the line", taut),
         Level("with slack", "mass, waves and payout of the line", sprung),
         Level("elastic wire", "slack, payout and drag of the line", elastic),
-        Level("nonlinear wire, half as fine", "short waves of the line", lambda trial: coarse(nonlinear(trial))),
+        Level("nonlinear wire, half as fine", "short waves of the line", coarse, has_wire),
         Level("nonlinear wire", "", nonlinear),
     ),
 )  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from towage.report.format import Markup, badge, details, figure, number, page, p
 from towage.report.page import ASCII
 from towage.report.plots import BLUE, GREEN, RED
 from towage.report.svg import canvas
+from towage.result.records import Statistic
 
 LEAST = 1e-6
 """Errors below this are drawn as this."""
@@ -111,6 +112,32 @@ def document(ladder: Ladder) -> dict[str, Any]:
         "fullest": ladder.fullest.name, "own_error": plain(ladder.own_error),
         "enough": ladder.enough and ladder.enough.name, "note": ladder.note, "absent": dict(ladder.absent), "rungs": rungs,
     }  # fmt: skip
+
+
+def ladder_of(told: Mapping[str, Any]) -> Ladder:
+    """The ladder that a `document` tells of, without the scenes of its rungs."""
+
+    def number_of(value: Any, absent: float) -> float:
+        return absent if value is None else float(value)
+
+    rungs = []
+    for one in told["rungs"]:
+        found = {
+            name: Statistic(number_of(error["error"], math.inf), number_of(error["half_width"], math.inf))
+            for name, error in one["errors"].items()
+        }
+        rungs.append(
+            Rung(
+                tuple(one["levels"]), tuple(one["leaves_out"]), None, one["reason"], one["given"], found or None,
+                number_of(one["cost_s"], math.nan), number_of(one["ratio"], math.nan),
+            )
+        )  # fmt: skip
+    by_name = {rung.name: rung for rung in rungs}
+    return Ladder(
+        told["title"], told["case"], told["tolerance"], tuple(told["signals"]), told["settle"], told["statistical"], tuple(rungs),
+        by_name[told["fullest"]], number_of(told["own_error"], math.inf), by_name.get(told["enough"]), told["note"],
+        told["absent"],
+    )  # fmt: skip
 
 
 def markdown(ladder: Ladder) -> str:

@@ -49,9 +49,10 @@ def axes_of(base: Trial) -> tuple[list[Axis], dict[str, str]]:
 def rungs_of(base: Trial, axes: Sequence[Axis]) -> list[Rung]:
     """From the simplest to the fullest. A level that fits in no model of the scene is one rung that says why, and so is a
     combination that does not."""
-    every = [(levels, _rung(base, levels)) for levels in itertools.product(*(axis.levels for axis in axes))]
+    asked = [[level for level in axis.levels if level.asked(base)] for axis in axes]
+    every = [(levels, _rung(base, levels)) for levels in itertools.product(*asked)]
     fit = {id(level) for levels, rung in every if rung.trial for level in levels}
-    never = [level for axis in axes for level in axis.levels if id(level) not in fit]
+    never = [level for levels in asked for level in levels if id(level) not in fit]
     unfit = []
     for level in never:
         alone = _rung(base, [level])

@@ -14,7 +14,7 @@ from dataclasses import fields
 from towage.checks.tow_names import UNITS
 from towage.ladder.axis import Axis, Level, Trial, Unfit, entry
 from towage.ladder.spring import on_spring
-from towage.ladder.wire import cabled, coarse, wired, wires
+from towage.ladder.wire import cabled, coarse, has_wire, wired, wires
 from towage.models.cable.parameters import Choice, TowParameters
 from towage.units.description import Value
 
@@ -150,7 +150,7 @@ CABLE = Axis(
         Level("linear cable, reduced", "large motions about the steady tow; fast modes", _linear(1.0)),
         Level("linear cable", "large motions about the steady tow", _linear(0.0)),
         Level("nonlinear cable", "what is shorter than a segment", nonlinear),
-        Level("nonlinear wire, half as fine", "short waves and bends of the wire", lambda trial: coarse(wire(trial))),
+        Level("nonlinear wire, half as fine", "short waves and bends of the wire", coarse, has_wire),
         Level("nonlinear wire", "", wire),
     ),
 )  # fmt: skip

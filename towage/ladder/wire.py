@@ -133,6 +133,11 @@ def _renamed(trial: Trial, name: str, fmu: str, parameters: dict[str, float], in
     return trial.rebuilt(units, connections, {})
 
 
+def has_wire(trial: Trial) -> bool:
+    """Whether the scene is one of a wire."""
+    return bool(trial.units("wire"))
+
+
 def coarse(trial: Trial) -> Trial:
     """The one wire with half its elements; of one element, with half the degree. Raises `Unfit`."""
     from towage.models.cable.case import CableError
