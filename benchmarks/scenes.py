@@ -61,7 +61,8 @@ def write(name: str, docs: Path, measures: bool = True) -> None:
 def digest(case: Scene) -> str:
     """What the numbers of a case depend on: the code, the units, the scene and these programs."""
     here = [Path(__file__).with_name(name).read_text("utf-8") for name in ("scenes.py", "scene_error.py")]
-    what = [code_digest("towage.ladder.simplest"), sources_digest(), *here, repr(case.to_dict()), case.chosen]
+    scene = {key: value for key, value in case.to_dict().items() if key not in ("title", "description")}
+    what = [code_digest("towage.ladder.simplest"), sources_digest(), *here, repr(scene), case.chosen]
     return hashlib.sha256(json.dumps(what).encode()).hexdigest()[:32]
 
 

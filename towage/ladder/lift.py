@@ -70,8 +70,6 @@ def elastic(trial: Trial) -> Trial:
     """The spring as a taut elastic wire with mass, between the ship and the cradle. Raises `Unfit`."""
     trial = sprung(trial)
     line, body = _hanging(trial)
-    if not all(trial.seen.settled(given).min() > 0.0 for given in _given(trial, f"{line}.tension")):
-        raise Unfit(f"{line} goes slack, and a linear wire does not")
     ship = _ship(trial, line)
     rope = Rope.of(trial, line, body)
     parameters = {
@@ -182,7 +180,7 @@ def _ship(trial: Trial, line: str) -> str:
 
 
 def _hanging(trial: Trial) -> tuple[str, str]:
-    """(line, body) of a scene with one spring_line, and a cradle of one weight on it. Raises `Unfit`."""
+    """(line, body) of a scene with one spring_line that stays taut, and a cradle of one weight on it. Raises `Unfit`."""
     lines = trial.units("spring_line")
     if len(lines) != 1:
         raise Unfit("a wire takes the place of one spring_line between a ship and a cradle, and there is no such")
@@ -190,6 +188,8 @@ def _hanging(trial: Trial) -> tuple[str, str]:
     body = trial.source(f"{line}.heave_bottom").partition(".")[0]
     if body not in {unit.name for unit in trial.units("cradle")}:
         raise Unfit(f"what hangs on {line} is no cradle")
+    if not all(trial.seen.settled(given).min() > 0.0 for given in _given(trial, f"{line}.tension")):
+        raise Unfit(f"{line} goes slack: a wire rings after every snap until its damping, which no spring tells, has ended it")
     if trial.value(body, "docking_time") >= 0.0:
         raise Unfit(f"what hangs on {line} changes its weight by docking, and the wire is made for one weight")
     return line, body
