@@ -9,6 +9,7 @@ what `docs/make_scenes.py` puts into the page of the scene. ``--draw`` measures 
 from __future__ import annotations
 
 import datetime
+import functools
 import hashlib
 import json
 import math
@@ -60,10 +61,15 @@ def write(name: str, docs: Path, measures: bool = True) -> None:
 
 def digest(case: Scene) -> str:
     """What the numbers of a case depend on: the code, the units, the scene and these programs."""
-    here = [Path(__file__).with_name(name).read_text("utf-8") for name in ("scenes.py", "scene_error.py")]
     scene = {key: value for key, value in case.to_dict().items() if key not in ("title", "description")}
-    what = [code_digest("towage.ladder.simplest"), sources_digest(), *here, repr(scene), case.chosen]
-    return hashlib.sha256(json.dumps(what).encode()).hexdigest()[:32]
+    return hashlib.sha256(json.dumps([*_code(), repr(scene), case.chosen]).encode()).hexdigest()[:32]
+
+
+@functools.cache
+def _code() -> list[str]:
+    """As it is at the start, so that a change while this runs is not taken for what was measured."""
+    programs = [Path(__file__).with_name(name).read_text("utf-8") for name in ("scenes.py", "scene_error.py")]
+    return [code_digest("towage.ladder.simplest"), sources_digest(), *programs]
 
 
 def measured(case: Scene) -> dict[str, Any]:
@@ -183,6 +189,7 @@ def _table(measured: Precision) -> Iterator[str]:
 
 if __name__ == "__main__":
     os.nice(NICE)
+    _code()
     started = _spent(), time.perf_counter()
     names = [argument for argument in sys.argv[1:] if argument != "--draw"]
     for scene_name in names or [scene.name for scene in available_scenes()]:

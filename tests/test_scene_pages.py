@@ -89,7 +89,7 @@ def test_what_was_measured_is_kept_until_scene_or_code_change(
     scenes.write("docking", tmp_path)
     assert made == ["plastic capture", "soft, as in the thesis", "soft, as in the thesis"]
     assert "earlier version" not in (tmp_path / "scenes" / "docking.json").read_text()
-    monkeypatch.setattr(scenes, "code_digest", lambda module: "other code")
+    monkeypatch.setattr(scenes, "_code", lambda: ["other code"])
     scenes.write("docking", tmp_path, measures=False)
     assert "Measured 2026-01-02, a machine, with an earlier version" in (tmp_path / "scenes" / "docking.json").read_text()
     scenes.write("docking", tmp_path)

@@ -52,13 +52,13 @@ def rung(ladder: Ladder, *levels: str) -> Rung:
     return next(rung for rung in ladder.rungs if rung.levels == levels)
 
 
-def trial(name: str, case: str | None = None, values: Mapping[str, Any] | None = None) -> Trial:
-    """Of a scene that was not run: its outputs swing by 1 in its own period of 8 s."""
+def trial(name: str, case: str | None = None, values: Mapping[str, Any] | None = None, mean: float = 0.0) -> Trial:
+    """Of a scene that was not run: its outputs swing by 1 about ``mean`` in its own period of 8 s."""
     scene = select(name, case, values)
     time = np.linspace(0.0, 40.0, 401)
     first = Trial(scene, {}, Seen(Track(time, {}), 8.0), locator())
     variables = [f"{n}.{v.name}" for n, unit in first.resolved.units.items() for v in unit.description.variables]
-    track = Track(time, {name: np.sin(2.0 * math.pi * time / 8.0) for name in variables})
+    track = Track(time, {name: mean + np.sin(2.0 * math.pi * time / 8.0) for name in variables})
     return Trial(scene, {name: name for name in variables}, Seen(track, 8.0), locator())
 
 
@@ -160,7 +160,7 @@ def test_a_tow_and_the_wire_that_takes_its_place_are_one() -> None:
         if field.name != "perturbation_limit":
             assert back.value("tow", field.name) == pytest.approx(base.value("tow", field.name), rel=1e-12), field.name
     # drag, weight and stretch: the steady pull of both at the ship, of segments to second order against elements of the fourth
-    steady = [towage.run(bare(made.scene.setting({"stop_time": 0.2}, "test")))["tow.tension_top"][0] for made in (there, base)]
+    steady = [towage.run(bare(made.scene).setting({"stop_time": 0.2}, "test"))["tow.tension_top"][0] for made in (there, base)]
     assert steady[1] == pytest.approx(steady[0], rel=0.02)  # 12 segments lump a twelfth of the weight and drag at each end
     others = trial("tow_600ft", "half a foot of heave")
     with pytest.raises(Unfit, match="does not know the momentum form of the added mass, nor a constant drag"):
@@ -168,7 +168,7 @@ def test_a_tow_and_the_wire_that_takes_its_place_are_one() -> None:
 
 
 def test_a_wire_has_its_rungs_with_the_weight_that_a_spring_does_not_bear() -> None:
-    base = trial("deep_lift")
+    base = trial("deep_lift", mean=2.0)
     made = {r.levels: r for r in rungs_of(base, axes_of(base)[0])}
     assert [levels for levels, r in made.items() if r.reason] == [
         (f"nonlinear wire{finer}", "linear drag") for finer in (", half as fine", "")
@@ -220,7 +220,7 @@ def test_levels_that_do_not_fit_say_why() -> None:
     for (name, case), reason in reasons.items():
         base = trial(name, case)
         found = [r.reason for r in rungs_of(base, axes_of(base)[0]) if not r.trial]
-        assert (any(reason in text for text in found) and len(found) <= 2) if reason else not found
+        assert (any(reason in text for text in found) and len(found) <= 3) if reason else not found
 
 
 def test_linear_drag_on_a_line_that_pushes_is_the_closed_form() -> None:
@@ -326,7 +326,7 @@ def test_the_cheapest_of_equals_leaves_most_out() -> None:
     for own in (0.06, math.inf, math.nan, None):
         assert chosen(0.05, own)[0] is None
     assert chosen(0.05, 0.06)[1].endswith("itself changes by 6 %: take a shorter step")
-    assert "+- 10 %: run 990 s longer" in chosen(0.05, 0.02, 0.1)[1]
+    assert "+- 10 %: run 1e+03 s longer" in chosen(0.05, 0.02, 0.1)[1]
     assert "nothing moves" in chosen(0.05, moving=False)[1]
 
 

@@ -50,8 +50,10 @@ def linear_drag(trial: Trial) -> Trial:
             raise Unfit(f"{body.name} has no quadratic drag")
         if trial.value(body.name, "docked_drag_area"):
             raise Unfit(f"the drag of {body.name} changes when it docks, and one damping cannot stand for both")
-        (speed,) = _given(trial, f"{body.name}.velocity")
-        damping = equal_loss(drag, trial.seen.settled(speed).tolist())
+        speeds = _given(trial, f"{body.name}.velocity")
+        if not speeds:
+            raise Unfit(f"the speed of {body.name} is not told")
+        damping = equal_loss(drag, trial.seen.settled(speeds[0]).tolist())
         values |= {f"{body.name}.drag_coefficient": 0.0, f"{body.name}.linear_damping": damping}
     return trial.setting(values)
 
@@ -188,10 +190,10 @@ def _hanging(trial: Trial) -> tuple[str, str]:
     body = trial.source(f"{line}.heave_bottom").partition(".")[0]
     if body not in {unit.name for unit in trial.units("cradle")}:
         raise Unfit(f"what hangs on {line} is no cradle")
-    if not all(trial.seen.settled(given).min() > 0.0 for given in _given(trial, f"{line}.tension")):
-        raise Unfit(f"{line} goes slack: a wire rings after every snap until its damping, which no spring tells, has ended it")
     if trial.value(body, "docking_time") >= 0.0:
         raise Unfit(f"what hangs on {line} changes its weight by docking, and the wire is made for one weight")
+    if not all(trial.seen.settled(given).min() > 0.0 for given in _given(trial, f"{line}.tension")):
+        raise Unfit(f"{line} goes slack: a wire rings after every snap until its damping, which no spring tells, has ended it")
     return line, body
 
 

@@ -128,8 +128,12 @@ def simplest(
 def _climbed(way: _Way, base: Trial, given: Result, question: Asked) -> Ladder:
     """Every rung run, compared, and one recommended."""
     axes, absent = axes_of(base)
-    rungs = [_comparable(rung, question) for rung in rungs_of(base, axes)]
-    question = known_to_all(question, [rung.trial for rung in rungs if rung.trial])
+    rungs = rungs_of(base, axes)
+    shared = known_to_all(question, [rung.trial for rung in rungs if rung.trial])
+    if question.named or not shared.signals:
+        rungs = [_comparable(rung, question) for rung in rungs]
+    else:
+        question = shared
     known = [(bare(base.scene), given)]
     total = sum(rung.trial is not None for rung in rungs) + 2
     runs: dict[int, Result] = {}
@@ -159,9 +163,9 @@ def _climbed(way: _Way, base: Trial, given: Result, question: Asked) -> Ladder:
 
 
 def _comparable(rung: Rung, question: Asked) -> Rung:
-    """Without its trial where that does not know what the scene asks by name."""
-    if rung.trial and question.named and (unknown := [name for name in question.signals if lacks(rung.trial, name)]):
-        return replace(rung, trial=None, reason=f"it does not know {unknown[0]}, which the scene compares")
+    """Without its trial where that does not know all that is compared."""
+    if rung.trial and (unknown := [name for name in question.signals if lacks(rung.trial, name)]):
+        return replace(rung, trial=None, reason=f"it does not know {unknown[0]}, which is compared")
     return rung
 
 
