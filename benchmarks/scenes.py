@@ -31,12 +31,13 @@ from towage.ladder.report import document, ladder_of, markdown, picture
 from towage.ladder.simplest import simplest
 from towage.report.format import number, percent
 from towage.scene.scene import Scene, available_scenes
-from towage.units.sources import code_digest
 from towage.units.store import sources_digest
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
 NICE = 10
+MEASURES = ("towage/master", "towage/ladder", "towage/verify")
+"""Folders on whose code the numbers depend, beside the models and units; a change of what only writes or refuses is none."""
 PATIENCE = 300.0
 """Without progress of a rung for so long, s, it is given up."""
 DIGITS = 4
@@ -60,16 +61,17 @@ def write(name: str, docs: Path, measures: bool = True) -> None:
 
 
 def digest(case: Scene) -> str:
-    """What the numbers of a case depend on: the code, the units, the scene and these programs."""
+    """What the numbers of a case depend on: the code that computes them, the units and the scene."""
     scene = {key: value for key, value in case.to_dict().items() if key not in ("title", "description")}
     return hashlib.sha256(json.dumps([*_code(), repr(scene), case.chosen]).encode()).hexdigest()[:32]
 
 
 @functools.cache
 def _code() -> list[str]:
-    """As it is at the start, so that a change while this runs is not taken for what was measured."""
-    programs = [Path(__file__).with_name(name).read_text("utf-8") for name in ("scenes.py", "scene_error.py")]
-    return [code_digest("towage.ladder.simplest"), sources_digest(), *programs]
+    """As it is at the start, so that a change while this runs is not taken for what was measured: the units, the master, the
+    ladder, the reference, and what compares."""
+    files = sorted(file for place in MEASURES for file in (DOCS.parent / place).glob("*.py"))
+    return [sources_digest(), *(file.read_text("utf-8") for file in (*files, Path(__file__).with_name("scene_error.py")))]
 
 
 def measured(case: Scene) -> dict[str, Any]:
