@@ -38,7 +38,11 @@ FINEST = (0.25, 0.125)
 """Those of the reference, the last one, and of the run that it is compared with."""
 MOST_STEPS = 1600
 """Of the scene's own length: longer scenes are cut after so many."""
-BUDGET = 60.0
+WRONG, FLOORS = 0.5, 3.0
+"""An error above the one is of no step that a power tells of; one below so many times what the reference is known to neither."""
+EXACT = 1e-9
+"""How far the monolithic solution is known, with a wide margin."""
+BUDGET = 30.0
 """Processor time of a case, s, beyond which no run is begun."""
 
 
@@ -52,25 +56,28 @@ class Row:
     costs: tuple[float | None, ...]
     notes: tuple[str, ...]
 
-    @property
-    def order(self) -> float | None:
-        """log2 of the error's ratio from the first to the last step known, a step."""
-        known = [(k, e) for k, e in enumerate(self.errors) if e]
+    def order(self, floor: float, ratio: float) -> float | None:
+        """The power of the step, or of the tolerance, whose neighbours have this ``ratio``, that the error goes with: from the
+        first to the last that tell, above ``floor``, how far the reference is known, and below `WRONG`."""
+        known = [(k, e) for k, e in enumerate(self.errors) if e and FLOORS * floor < e < WRONG]
         if len(known) < 2:
             return None
         (a, first), (b, last) = known[0], known[-1]
-        return math.log2(first / last) / (b - a)
+        return math.log(first / last) / math.log(ratio) / (b - a)
 
 
 @dataclass(frozen=True)
 class Precision:
-    """``heads``: the steps in words; ``reference`` in words, ``own`` how far it is known; ``unit``: cost of the scene as it is,
-    s; ``settle``, ``stop``: from when to when, s; ``left_out``: how many runs the budget did not allow."""
+    """``heads``: the steps in words; ``fixed``: they are steps, and no tolerances; ``reference`` in words, ``floor`` how far it
+    is known, ``own`` what tells of chaos: how far the scene as it is, or the run before the reference, is off; ``unit``: cost of
+    the scene as it is, s; ``settle``, ``stop``: from when to when, s; ``left_out``: how many runs the budget did not allow."""
 
     heads: tuple[str, ...]
+    fixed: bool
     rows: tuple[Row, ...]
     reference: str
     own: float
+    floor: float
     unit: float
     settle: float
     stop: float
@@ -78,11 +85,12 @@ class Precision:
 
 
 class Reference(NamedTuple):
-    """Values of the signals at the times of comparison, what they are, and how far they are known."""
+    """Values of the signals at the times of comparison, what they are; ``own`` and ``floor`` as of a `Precision`."""
 
     values: Mapping[str, Array]
     said: str
     own: float
+    floor: float
 
 
 def precision(scene: Scene) -> Precision:
@@ -108,7 +116,8 @@ def precision(scene: Scene) -> Precision:
     kind, own = ("step", step) if step else ("tolerance", cut.coupling.tolerance)
     heads = [number(_scaled(own or 0.0, factor, kind == "step")) + (" s" if step else "") for factor in FACTORS]
     return Precision(
-        tuple(f"{kind} {head}" for head in heads), tuple(rows), reference.said, reference.own, given.statistics["cpu_s"],
+        tuple(f"{kind} {head}" for head in heads), step is not None, tuple(rows), reference.said, reference.own, reference.floor,
+        given.statistics["cpu_s"],
         float(times[0]), cut.stop_time, left_out,
     )  # fmt: skip
 
@@ -152,7 +161,8 @@ def _reference(scene: Scene, given: Result, signals: tuple[str, ...], times: Arr
         values = {name: heave if name.endswith(".heave") else tension for name in signals}
         if all(name.endswith((".heave", ".tension")) for name in signals):
             off = max(difference(values[name], track(given).at(name, times)).rms for name in signals)
-            return Reference(values, f"the monolithic solution to 1e-12; the scene as it is differs by {percent(off, 2)}", off)
+            said = f"the monolithic solution to 1e-12; the scene as it is differs by {percent(off, 2)}"
+            return Reference(values, said, off, EXACT)
     except SceneError:
         pass
     before, finest = (run(scene, factor, given.scheme) for factor in FINEST)
@@ -164,7 +174,7 @@ def _reference(scene: Scene, given: Result, signals: tuple[str, ...], times: Arr
     known = own / (2.0**order - 1.0) if fixed else own
     said = f"{what}; the run before it differs by {percent(own, 2)}"
     said += f", which leaves {percent(known, 2)} (Richardson, order {order})" if fixed else ""
-    return Reference({name: two.at(name, times) for name in signals}, said, known)
+    return Reference({name: two.at(name, times) for name in signals}, said, known, known)
 
 
 def _row(

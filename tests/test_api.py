@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 import subprocess
 import sys
@@ -110,3 +111,14 @@ def test_names_of_the_top_level_load_when_they_are_used() -> None:
         "assert not {'pandas', 'xarray', 'casadi'} & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_checkers_and_the_pages_of_the_api_see_every_name() -> None:
+    """What is imported on demand is also imported for those who read the source, from the same place."""
+    tree = ast.parse(Path(towage.__file__).read_text("utf-8"))
+    read = {
+        alias.name: (node.module or "").removeprefix("towage.")
+        for block in tree.body if isinstance(block, ast.If) for node in block.body if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }  # fmt: skip
+    assert read == towage._HOME

@@ -54,7 +54,7 @@ def test_a_response_is_a_value_with_names() -> None:
     (tow,) = response("tow_600ft", frequencies=[0.05, 0.1])
     assert [row["frequency_hz"] for row in tow.rows()] == pytest.approx([0.05, 0.1])
     assert tow.rows()[0]["tension_top"] == abs(tow.gains[0].tension_top)
-    assert tow.spring is not None and tow.per == "1 m of heave of the towpoint"
+    assert tow.per == "1 m of heave of the towpoint"
     (heavier,) = response("tow_600ft", set={"tow.body_mass": 5000.0}, frequencies=0.1)
     assert heavier.rows()[0]["tension_top"] != tow.rows()[1]["tension_top"]
     for wrong in ([0.0], [], [[0.1]], [math.nan]):

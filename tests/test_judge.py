@@ -10,14 +10,16 @@ import pytest
 
 import towage
 from towage.checks.comparison import compare, response, runs
-from towage.checks.sdof_section import SdofCheck
+from towage.checks.sdof_section import Sdof
 from towage.checks.signals import dominant_frequency
 from towage.checks.track import Track
 from towage.models.heave.sdof import Pair
 from towage.result.records import Comparison
 
 TIME = np.arange(2001) * 0.05
-CHECK = SdofCheck(("line.reaction -> ship.reaction",), "ship.heave", "body.heave", "line.tension")
+CHECK = Sdof(
+    ("line.reaction -> ship.reaction",), "ship.heave", "body.heave", "line.tension", reaction="line.reaction", ship="ship"
+)
 
 
 def unit(name: str, **constants: float) -> SimpleNamespace:

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from towage.checks.sdof_section import sdof_of
 from towage.errors import FmuError, RunError, SceneError, TowageError
 from towage.scene import scene as scene_module
 from towage.scene.resolve import ResolvedConnection, ResolvedScene, check_all, described
@@ -58,7 +59,11 @@ LOOPED: dict[str, tuple[str, str, str | None]] = {
     "y": ("output", '<Real unit="m"/>', "u"),
     "z": ("output", '<Real unit="m"/>', ""),
 }
-DECLARED = {"ship": SHIP, "line": LINE, "looped": LOOPED, "vague": LOOPED}
+ARROWS: dict[str, tuple[str, str, str | None]] = {
+    "pull -> ship.reaction": ("input", '<Real start="0" unit="N"/>', None),
+    "up": ("output", '<Real unit="m"/>', ""),
+}
+DECLARED = {"ship": SHIP, "line": LINE, "looped": LOOPED, "vague": LOOPED, "arrows": ARROWS}
 
 
 def build(path: Path, variables: dict[str, tuple[str, str, str | None]], vague: bool = False) -> None:
@@ -405,6 +410,15 @@ def test_two_sources_on_one_input(fmus: Path) -> None:
     units = data()["units"] | {"other": {"fmu": "ship"}}
     content = data(units=units, connections=["ship.heave -> line.top", "other.heave->line.top"])
     refused_when_resolved(content, fmus, "connections[1]", "line.top has two sources: ship.heave and other.heave")
+
+
+def test_the_ends_of_a_cut_connection_are_those_of_its_names(fmus: Path) -> None:
+    """Names may hold arrows: a connection is not to be split by its text."""
+    back = "line.tension -> buoy.pull -> ship.reaction"
+    units = data()["units"] | {"buoy": {"fmu": "arrows"}}
+    section = SDOF | {"cut": [back], "driver": "buoy.up", "motion": "buoy.up"}
+    found = sdof_of(resolve(data(units=units, connections=["ship.heave -> line.top", back], checks={"sdof": section}), fmus))
+    assert (found.reaction, found.ship, found.cut) == ("line.tension", "buoy", (back,))
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from towage.api import run, run_all
     from towage.ensemble.ensemble import Ensemble
     from towage.errors import FmuError, RunError, SceneError, TowageError
+    from towage.frequency_response.lift import lift_response
     from towage.frequency_response.response import response
     from towage.ladder.simplest import simplest
     from towage.master.master import Master

@@ -70,7 +70,7 @@ def test_step_operator_of_the_cable_alone_contracts() -> None:
 def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("tow_600ft")
     result = Master(scene, "half a foot of heave", flavour="python").run()
-    # the mean depth shifts by 14 % of the body's heave
+    # the mean depth shifts by 11 % of the body's heave
     assert result.status == "done" and result.verdict.word == "marginal"
     tow = towing.scene_tows(scene)[0]
     omega = 2.0 * math.pi * 0.3
@@ -83,16 +83,10 @@ def test_tow_600ft_agrees_with_the_frequency_domain() -> None:
     # tolerance of the scene's model: 2 %
     assert abs(body / r.displacement[1][0, 0] - 1.0) < 0.02
     assert abs(top / r.tension[-1, -1] - 1.0) < 0.02
-    # the single-degree-of-freedom model on a spring is judged beside the run's verdict
-    spring = next(c for c in result.checks if c.name == "spring EA/L")
-    assert spring.level == "info" and spring.limit == 0.05
+    # one word a run: what a spring would do, the response and the ladder say
+    assert "spring" not in text_summary(result)
     # its gain is 1/|1 - omega^2 M L/EA|, with the file's slugs, feet and pounds
-    alone = 1.0 / abs(1.0 - omega**2 * 160.0 * 600.0 / 2e6)
-    cable = respond(tow.tow, omega, Excitation(heave=1.0)).displacement[1][0, 0]
-    assert spring.value == pytest.approx(alone / abs(cable) - 1.0, rel=1e-9)
-    assert spring.message.startswith("a body on a spring would not do in place of the cable: at 0.3 Hz the body of tow")
-    assert "heaves 1.206 m per metre" in spring.message
-    assert f"spring EA/L     {spring.message}" in text_summary(result)
+    assert towing.spring_gain(tow.tow, omega) == pytest.approx(1.0 / abs(1.0 - omega**2 * 160.0 * 600.0 / 2e6), rel=1e-9)
 
 
 def test_a_scene_without_a_tow_does_not_import_the_towing_models() -> None:
@@ -118,7 +112,7 @@ def joined(scene: Scene) -> Scene:
 def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
     scene = Scene.load("tow_two_units")
     apart, whole = Master(scene, flavour="python").run(), Master(joined(scene), flavour="python").run()
-    # the mean depth shifts by 13 % of the body's heave
+    # the mean depth shifts by 15 % of the body's heave
     assert apart.status == "done" and apart.verdict.word == "marginal" and apart.scheme == "hermite"
     assert whole.status == "done" and whole.verdict.word == "marginal"
     shifts = [next(item for item in run.verdict.items if item.name == "premises") for run in (apart, whole)]
@@ -148,7 +142,7 @@ def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
 def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("float_quadrant2")
     result = Master(scene, flavour="python").run()
-    # the nonlinear cable's tension is 13 % off, of its amplitude, and the float 0.19 m deeper in the mean
+    # the nonlinear cable's tension is 12 % off, of its amplitude, and the float 0.19 m deeper in the mean
     assert result.status == "done" and result.verdict.word == "invalid"
     assert result.verdict.number == pytest.approx(0.13, abs=0.01) and "0.19 m deeper" in result.verdict.reason
     tow = towing.scene_tows(scene)[0]
@@ -206,7 +200,7 @@ def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     arguments = ["response", "tow_600ft", "--points", "6", "--out", str(tmp_path)]
     assert main(arguments) == 0
     text = capsys.readouterr().out
-    assert "Quadrant I, 182.9 m" in text and "spring EA/L: a body on a spring would not do" in text
+    assert "Quadrant I, 182.9 m" in text and text.splitlines()[1].endswith("spring")
     names = ("tow_response.svg", "tow_cable.svg", "tow_response.csv")
     first = [(tmp_path / n).read_bytes() for n in names]
     assert main([*arguments, "--json"]) == 0

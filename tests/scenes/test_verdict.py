@@ -17,7 +17,7 @@ import pytest
 import towage
 from towage.checks import error, sdof, statistics
 from towage.checks.comparison import oscillator, runs
-from towage.checks.sdof_section import SdofCheck
+from towage.checks.sdof_section import Sdof
 from towage.checks.signals import repeats_after
 from towage.checks.track import Track, comparison_times
 from towage.checks.verdict import verdict
@@ -291,7 +291,9 @@ def test_a_subharmonic_shifted_by_a_period_is_the_same_motion() -> None:
         motion = np.sin(omega * (t - late)) + 2.0 * np.sin(0.5 * omega * (t - late))
         return {"ship.heave": np.sin(omega * t), "body.heave": motion, "line.tension": 1e5 + 1e3 * motion, "line.reaction": 0 * t}
 
-    section = SdofCheck(("line.reaction -> ship.reaction",), "ship.heave", "body.heave", "line.tension")
+    section = Sdof(
+        ("line.reaction -> ship.reaction",), "ship.heave", "body.heave", "line.tension", reaction="line.reaction", ship="ship"
+    )
     one, two = Track(t, columns(0.0)), Track(t, columns(4.0))
     settled = runs(section, t, two, one)
     assert settled.periods == 2
@@ -397,7 +399,7 @@ def test_word_needs_the_whole_interval_on_one_side() -> None:
 def test_student() -> None:
     """Tables: t at 0.05/12, both sides together 0.05/6, by interpolation of 0.005 and 0.0025."""
     for freedom, low, high in ((3, 5.841, 7.453), (5, 4.032, 4.773), (10, 3.169, 3.581), (19, 2.861, 3.174)):
-        assert low < statistics.student(freedom) < high
+        assert low < statistics.student(freedom, statistics.JUDGED) < high
 
 
 def test_slack_is_counted_and_judged() -> None:

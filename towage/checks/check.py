@@ -173,7 +173,7 @@ class Check:
     variants: Callable[[Scene], Sequence[Variant]] = _none
     """The other runs that ``after`` asks for."""
 
-    reads: Callable[[Scene], Sequence[str]] = _none
+    reads: Callable[[ResolvedScene], Sequence[str]] = _none
     """The outputs, "unit.variable", that ``after`` compares: they are read in all runs, whether recorded or not."""
 
     before: Callable[[Start], Sequence[Finding]] = _none

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from towage.checks.check import System
-from towage.checks.sdof_section import SdofCheck
+from towage.checks.sdof_section import Sdof
 from towage.checks.signals import (
     component,
     dominant_frequency,
+    irregular,
     peak,
     relative_change,
     repeats_after,
@@ -54,7 +55,7 @@ class Theory(NamedTuple):
     frequency_shift: float | None = None
 
 
-def suspended(system: System, check: SdofCheck) -> tuple[float, float, float] | None:
+def suspended(system: System, check: Sdof) -> tuple[float, float, float] | None:
     """(mass, kg; stiffness, N/m; quadratic drag, kg/m) of the body on its line, None if some constant is not known."""
     units = {unit.name: unit for unit in system.units}
     line, body = units[check.tension.split(".")[0]], units[check.motion.split(".")[0]]
@@ -63,7 +64,7 @@ def suspended(system: System, check: SdofCheck) -> tuple[float, float, float] | 
     return (mass, stiffness, drag) if mass and stiffness and drag is not None else None
 
 
-def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
+def pair(system: System, check: Sdof) -> sdof.Pair | None:
     """Ship, line and body of the comparison, None if some constant is not known."""
     units = {unit.name: unit for unit in system.units}
     amplitude = units[check.ship].constant("heave_amplitude")
@@ -73,7 +74,7 @@ def pair(system: System, check: SdofCheck) -> sdof.Pair | None:
     return sdof.Pair(*ship, *body, amplitude)
 
 
-def theory(system: System, check: SdofCheck) -> Theory:
+def theory(system: System, check: Sdof) -> Theory:
     """What the theory says of the scene without any run."""
     known = pair(system, check)
     if not known:
@@ -83,7 +84,7 @@ def theory(system: System, check: SdofCheck) -> Theory:
     return Theory(sdof.closed_form_of(known), eigenvector, sdof.frequency_shift(*masses))
 
 
-def ship_of(system: System, check: SdofCheck) -> tuple[float, float, float] | None:
+def ship_of(system: System, check: Sdof) -> tuple[float, float, float] | None:
     """(mass, kg; damping, N s/m; stiffness, N/m) of the unit that the cut connections end at, from what it reports of its
     oscillator; None if that is not enough."""
     unit = next(unit for unit in system.units if unit.name == check.ship)
@@ -91,7 +92,7 @@ def ship_of(system: System, check: SdofCheck) -> tuple[float, float, float] | No
     return (mass, 2.0 * ratio * natural * mass, natural**2 * mass) if mass and natural and ratio is not None else None
 
 
-def response(system: System, check: SdofCheck, omega: float | None, columns: Columns, time: Array) -> dict[str, Any] | None:
+def response(system: System, check: Sdof, omega: float | None, columns: Columns, time: Array) -> dict[str, Any] | None:
     """Transmissibility over frequency with the operating point of the one-way run on it."""
     known = pair(system, check)
     if not known or omega is None:
@@ -127,19 +128,17 @@ class Runs(NamedTuple):
     irregular: bool
 
 
-def runs(check: SdofCheck, times: Array, coupled: Track, one_way: Track) -> Runs:
+def runs(check: Sdof, times: Array, coupled: Track, one_way: Track) -> Runs:
     """Both runs at ``times``, s, as far as they are settled."""
     time = times[times >= check.settle]
     names = check.driver, check.motion, check.tension, check.reaction
     two, one = ({name: track.at(name, time) for name in names} for track in (coupled, one_way))
     omega = dominant_frequency(time, one[check.driver])
     periods = repeats_after(time, one[check.motion], omega, check.tolerance)
-    late = len(time) // 2  # a drive that fades in is regular afterwards
-    irregular = not repeats_after(time[late:], one[check.driver][late:], omega, check.tolerance)
-    return Runs(time, two, one, one_way, omega, periods, irregular)
+    return Runs(time, two, one, one_way, omega, periods, irregular(time, one[check.driver], omega, check.tolerance))
 
 
-def drifts(check: SdofCheck, runs: Runs, twin: Track) -> bool:
+def drifts(check: Sdof, runs: Runs, twin: Track) -> bool:
     """Whether the motion of a twin of the one-way run, started 1e-9 apart, has left it: chaos, where a difference grows by
     a constant factor a period. Resonance alone multiplies it by at most 1/(2 zeta)."""
     late = runs.time[-len(runs.time) // 3 :]
@@ -149,7 +148,7 @@ def drifts(check: SdofCheck, runs: Runs, twin: Track) -> bool:
     return difference > DRIFTED * spread
 
 
-def compare(check: SdofCheck, runs: Runs, times: Array, system: System, chaotic: bool) -> Comparison:
+def compare(check: Sdof, runs: Runs, times: Array, system: System, chaotic: bool) -> Comparison:
     """The SDOF comparison of settled runs; ``times``, s: those of the whole run. Amplitude (half the swing) and peak tension
     (above its mean) are errors of the one-way model, one-way / coupled - 1; both rms are that of the difference over that of
     the one-way signal, where it repeats after n periods the least for a shift by 0 to n - 1 of them; the phase is that of the
@@ -181,10 +180,12 @@ def compare(check: SdofCheck, runs: Runs, times: Array, system: System, chaotic:
     )  # fmt: skip
     if not chaotic:
         return compared
-    return replace(compared, word=word_of(deciding(compared)[1], check.tolerance) if told else "not judged")
+    if not told:
+        return replace(compared, word="not judged")
+    return replace(compared, word=word_of(deciding(told, check.tolerance)[1], check.tolerance))
 
 
-def _least_rms(check: SdofCheck, runs: Runs) -> tuple[float, float]:
+def _least_rms(check: Sdof, runs: Runs) -> tuple[float, float]:
     """(rms of the difference of the motions, of the tensions) over those of the one-way run, at the shift by whole periods
     at which the motions differ least: a subharmonic that started a period later is the same motion."""
     period = 2.0 * math.pi / runs.omega if runs.omega else 0.0
@@ -201,7 +202,7 @@ def _least_rms(check: SdofCheck, runs: Runs) -> tuple[float, float]:
     return min(differences)
 
 
-def _indicator(check: SdofCheck, runs: Runs, times: Array, system: System) -> float | None:
+def _indicator(check: Sdof, runs: Runs, times: Array, system: System) -> float | None:
     """eps, None where the ship does not tell its dynamic stiffness or does not move: the largest of abs(D2/D1) at the dominant
     frequency, and of swing and standard deviation of the motion that the whole reaction of the one-way run, all its harmonics
     and transients, makes by way of the ship, over those of the one-way motion. The ship is the linear one that it reports; the

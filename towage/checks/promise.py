@@ -16,7 +16,7 @@ from towage.result.records import Finding
 
 if TYPE_CHECKING:
     from towage.checks.check import System
-    from towage.checks.sdof_section import SdofCheck
+    from towage.checks.sdof_section import Sdof
 
 NAME = "SDOF before the run"
 RULE = 0.9
@@ -25,7 +25,7 @@ LOW, HIGH, POINTS = 0.2, 4.0, 200
 """Frequencies looked at, over that of the body on its line."""
 
 
-def promise(system: System, section: SdofCheck) -> list[Finding]:
+def promise(system: System, section: Sdof) -> list[Finding]:
     """The finding before the run; empty where the units do not tell enough."""
     from towage.checks.comparison import pair
 

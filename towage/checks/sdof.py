@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from towage.checks.check import Cell, Check, Finished, Part, Start, System, window
-from towage.checks.sdof_section import SdofCheck
+from towage.checks.sdof_section import Sdof, SdofCheck, sdof_of
 from towage.checks.verdict import NUMERICS
 from towage.errors import RunError, suggest
 from towage.result.records import Comparison, Finding, Item
@@ -37,6 +37,7 @@ from towage.scene.tables import Tables
 if TYPE_CHECKING:
     from towage.checks.signals import Array
     from towage.result.result import Result
+    from towage.scene.resolve import ResolvedScene
     from towage.scene.values import Names
 
 RUN = "one-way run"
@@ -74,9 +75,9 @@ def variants(scene: Scene) -> list[Variant]:
     return [Variant(RUN, single), Variant(TWIN, single, nudged=section.motion.split(".")[0])]
 
 
-def reads(scene: Scene) -> tuple[str, ...]:
+def reads(scene: ResolvedScene) -> tuple[str, ...]:
     """What is compared, and the reaction, which is connected to nothing in the one-way run."""
-    section = scene.checks.get("sdof")
+    section = sdof_of(scene)
     return section.driver, section.motion, section.tension, section.reaction
 
 
@@ -84,7 +85,7 @@ def before(start: Start) -> list[Finding]:
     """The worst error over frequency, where the units tell enough."""
     from towage.checks.promise import promise
 
-    return promise(start.system, start.scene.scene.checks.get("sdof"))
+    return promise(start.system, sdof_of(start.scene))
 
 
 def after(run: Finished) -> list[Finding]:
@@ -92,7 +93,7 @@ def after(run: Finished) -> list[Finding]:
     from towage.checks.comparison import compare, drifts, response, runs
     from towage.checks.promise import promise
 
-    section, result = run.scene.scene.checks.get("sdof"), run.result
+    section, result = sdof_of(run.scene), run.result
     try:
         time, one_way = run.again(RUN)
     except RunError as error:
@@ -114,7 +115,7 @@ def after(run: Finished) -> list[Finding]:
     return [*promise(run.system, section), *findings]
 
 
-def too_short(section: SdofCheck, times: Array, system: System) -> Finding | None:
+def too_short(section: Sdof, times: Array, system: System) -> Finding | None:
     """Where less than a period of the driver lies after settling, or too few points for one: two runs look alike then whatever
     they do. ``times``, s: those of the whole run."""
     from towage.checks.signals import FEWEST

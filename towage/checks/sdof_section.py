@@ -1,10 +1,15 @@
-"""The table ``[checks.sdof]`` of a scene."""
+"""The table ``[checks.sdof]`` of a scene, and what it names in the scene."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from towage.scene.parts import Seconds
+
+if TYPE_CHECKING:
+    from towage.scene.resolve import ResolvedScene
 
 
 class SdofCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -17,12 +22,17 @@ class SdofCheck(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tolerance: float = 0.05
     settle: Seconds = 0.0
 
-    @property
-    def reaction(self) -> str:
-        """The output that acts back on the ship."""
-        return self.cut[0].rpartition(" -> ")[0]
 
-    @property
-    def ship(self) -> str:
-        """The unit that the cut connections end at."""
-        return self.cut[0].rpartition(" -> ")[2].split(".")[0]
+class Sdof(SdofCheck, frozen=True, kw_only=True):
+    """The table of a scene whose connections are known: ``reaction``, the output that acts back by the first of the cut
+    connections; ``ship``, the unit at which that ends."""
+
+    reaction: str
+    ship: str
+
+
+def sdof_of(scene: ResolvedScene) -> Sdof:
+    """Of a scene with the table. Names of variables may hold arrows, so that the ends are those of the resolved connection."""
+    section: SdofCheck = scene.scene.checks.get("sdof")
+    back = scene.connections[scene.scene.connections.index(section.cut[0])]
+    return Sdof(**msgspec.structs.asdict(section), reaction=f"{back.source_unit}.{back.source}", ship=back.target_unit)

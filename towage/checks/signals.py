@@ -66,6 +66,12 @@ def repeats_after(time: Array, values: Array, omega: float | None, tolerance: fl
     return 0
 
 
+def irregular(time: Array, drive: Array, omega: float | None, tolerance: float) -> bool:
+    """Whether what drives does not repeat, in the second half: one that fades in is regular afterwards."""
+    late = len(time) // 2
+    return not repeats_after(time[late:], drive[late:], omega, tolerance)
+
+
 def relative_change(one: float, two: float) -> float:
     """one / two - 1; infinite where only ``one`` is not zero."""
     return one / two - 1.0 if two else share_of_nothing(one)

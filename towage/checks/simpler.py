@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from towage.checks.signals import Array
     from towage.checks.track import Track
     from towage.result.result import Result
+    from towage.scene.resolve import ResolvedScene
     from towage.scene.values import Names
 
 RUN = "simpler model"
@@ -72,9 +73,9 @@ def variants(scene: Scene) -> list[Variant]:
     return [Variant(RUN, _simpler(scene, scene.checks.get("simpler")))]
 
 
-def reads(scene: Scene) -> tuple[str, ...]:
+def reads(scene: ResolvedScene) -> tuple[str, ...]:
     """What is compared."""
-    section = scene.checks.get("simpler")
+    section = scene.scene.checks.get("simpler")
     return (*section.motions, *((section.margin,) if section.margin else ()))
 
 

@@ -16,10 +16,10 @@ import math
 from typing import TYPE_CHECKING
 
 from towage.checks.check import Cell, Check, Part, Start, System
-from towage.result.records import Comparison, Finding, Item, Statistic, Word
+from towage.result.records import Finding, Item, Statistic, Word
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -74,18 +74,21 @@ def wave(system: System, driver: str) -> tuple[bool, float | None]:
     return False, None
 
 
-def statistics(time: Array, omega: float, signals: dict[str, tuple[Array, Array]]) -> dict[str, Statistic]:
+def statistics(
+    time: Array, omega: float, signals: dict[str, tuple[Array, Array]], judged: int = JUDGED
+) -> dict[str, Statistic]:
     """Statistics of ``signals``, name to (one-way, coupled), shapes (n,) on ``time`` (s), for a dominant frequency ``omega``,
-    rad/s. The half width is infinite for less than `FEWEST_BLOCKS` blocks."""
+    rad/s; ``judged``: how many intervals have to hold together. The half width is infinite for less than `FEWEST_BLOCKS`
+    blocks."""
     blocks = _blocks(time, omega)
     compared = {}
     for name, (one, two) in signals.items():
         for kind, measure in (("standard deviation", spread), ("largest tenth", largest_tenth)):
-            compared[f"{kind} of the {name}"] = _compared(measure, one, two, blocks)
+            compared[f"{kind} of the {name}"] = _compared(measure, one, two, blocks, judged)
     return compared
 
 
-def slack_statistics(time: Array, omega: float, one: Array, two: Array) -> dict[str, Statistic]:
+def slack_statistics(time: Array, omega: float, one: Array, two: Array, judged: int = JUDGED) -> dict[str, Statistic]:
     """Of the tensions of one-way and coupled run, as `statistics`; nothing where neither goes slack. The number of each
     statistic is that of the coupled run: share of time, events a minute."""
     import numpy as np
@@ -102,8 +105,8 @@ def slack_statistics(time: Array, omega: float, one: Array, two: Array) -> dict[
         return begun
 
     return {
-        "share of time slack": _difference(limp1.astype(float), limp2.astype(float), blocks, 1.0),
-        "times slack a period": _difference(onsets(limp1), onsets(limp2), blocks, MINUTE / period),
+        "share of time slack": _difference(limp1.astype(float), limp2.astype(float), blocks, 1.0, judged),
+        "times slack a period": _difference(onsets(limp1), onsets(limp2), blocks, MINUTE / period, judged),
     }
 
 
@@ -112,7 +115,7 @@ def _blocks(time: Array, omega: float) -> int:
     return min(MOST_BLOCKS, int((time[-1] - time[0]) * omega / (2.0 * math.pi) / BLOCK_PERIODS))
 
 
-def _difference(one: Array, two: Array, blocks: int, scale: float) -> Statistic:
+def _difference(one: Array, two: Array, blocks: int, scale: float, judged: int) -> Statistic:
     """The statistic of a difference of means, ``scale`` times that of the coupled run as its number."""
     import numpy as np
 
@@ -120,7 +123,7 @@ def _difference(one: Array, two: Array, blocks: int, scale: float) -> Statistic:
     if blocks < FEWEST_BLOCKS:
         return Statistic(error, math.inf, number)
     apart = np.array([float(part.mean()) for part in np.array_split(one - two, blocks)])
-    return Statistic(error, student(blocks - 1) * float(apart.std(ddof=1)) / math.sqrt(blocks), number)
+    return Statistic(error, student(blocks - 1, judged) * float(apart.std(ddof=1)) / math.sqrt(blocks), number)
 
 
 def spread(values: Array) -> float:
@@ -137,7 +140,7 @@ def largest_tenth(values: Array) -> float:
     return float(crests[-math.ceil(SHARE * len(crests)) :].mean()) if len(crests) else 0.0
 
 
-def _compared(measure: Callable[[Array], float], one: Array, two: Array, blocks: int) -> Statistic:
+def _compared(measure: Callable[[Array], float], one: Array, two: Array, blocks: int, judged: int) -> Statistic:
     """The statistic from the whole runs where blocks are too few, else from these."""
     import numpy as np
 
@@ -151,15 +154,15 @@ def _compared(measure: Callable[[Array], float], one: Array, two: Array, blocks:
     if not all(a > 0.0 and b > 0.0 for a, b in pairs):
         return Statistic(error, 0.0 if error == 0.0 else math.inf, whole[1])
     logs = np.log([a / b for a, b in pairs])
-    half = student(blocks - 1) * float(logs.std(ddof=1)) / math.sqrt(blocks)
+    half = student(blocks - 1, judged) * float(logs.std(ddof=1)) / math.sqrt(blocks)
     return Statistic(math.expm1(float(logs.mean())), math.expm1(half), whole[1])
 
 
-def student(freedom: int) -> float:
-    """Point of Student's distribution beyond which, on both sides, 5 %/`JUDGED` lie."""
+def student(freedom: int, judged: int) -> float:
+    """Point of Student's distribution beyond which, on both sides, 5 %/``judged`` lie."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(freedom, 1.0 - 0.025 / JUDGED))
+    return float(stdtrit(freedom, 1.0 - 0.025 / judged))
 
 
 def word_of(statistic: Statistic, tolerance: float) -> Word:
@@ -170,12 +173,12 @@ def word_of(statistic: Statistic, tolerance: float) -> Word:
     return "invalid" if size - statistic.half_width > tolerance else "not judged"
 
 
-def deciding(c: Comparison) -> tuple[str, Statistic]:
+def deciding(statistics: Mapping[str, Statistic], tolerance: float) -> tuple[str, Statistic]:
     """The statistic that decides: of the gravest word, the farthest out."""
     order = ("valid", "not judged", "invalid")
     return max(
-        c.statistics.items(),
-        key=lambda item: (order.index(word_of(item[1], c.tolerance)), abs(item[1].error) + item[1].half_width),
+        statistics.items(),
+        key=lambda item: (order.index(word_of(item[1], tolerance)), abs(item[1].error) + item[1].half_width),
     )
 
 
@@ -184,18 +187,18 @@ def item(result: Result) -> Item | None:
     c = result.comparison
     if not c or not c.statistics:
         return None
-    name, statistic = deciding(c)
+    name, statistic = deciding(c.statistics, c.tolerance)
     word = word_of(statistic, c.tolerance)
     chaos = "chaotic, a start 1e-9 apart drifts away: " if c.chaotic else ""
     interval = f"{100.0 * statistic.error:+.2g} % +- {100.0 * statistic.half_width:.2g} %"
     reason = f"{chaos}{name} of the one-way run against the coupled run, {interval}"
-    remedy = "" if word == "valid" else _longer(statistic, c.tolerance, float(result.time[-1]))
+    remedy = "" if word == "valid" else longer(statistic, c.tolerance, float(result.time[-1]))
     if word == "invalid":
         remedy = "model both ways"
     return Item(word, reason, abs(statistic.error) + statistic.half_width, c.tolerance, None, remedy, "statistics")
 
 
-def _longer(statistic: Statistic, tolerance: float, length: float) -> str:
+def longer(statistic: Statistic, tolerance: float, length: float) -> str:
     """How long a run would tell, if the interval narrows with the root of the length."""
     room = abs(tolerance - abs(statistic.error))
     if not math.isfinite(statistic.half_width):

@@ -3,5 +3,3 @@
 LINEAR = ("tow_system", "tow_cable")
 UNITS = (*LINEAR, "tow_cable_nonlinear")
 """The units that tow, and those of small perturbations."""
-SPRING = "spring EA/L"
-"""The finding on the simplest model of a tow."""

@@ -3,7 +3,8 @@
 Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
 the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
 tolerance: errors of segments and reduction against the frequency domain, error of linearity by the nonlinear equations
-(``models/cable/lumped/linearity.py``). `after_run` judges the simplest model of all, one degree of freedom on a spring.
+(``models/cable/lumped/linearity.py``). The ladder runs the simplest
+model of all, a body on a spring.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.checks.tow_names import LINEAR, SPRING, UNITS
+from towage.checks.tow_names import LINEAR, UNITS
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
 from towage.models.cable.lumped.linearity import regular
@@ -148,36 +149,6 @@ def before_run(resolved: ResolvedScene) -> list[Finding]:
 def _later(tow: SceneTow, tolerance: float) -> Finding:
     message = "the error of the linear model is found after the run, for the drive that the run has"
     return Finding(f"fidelity of {tow.name}", "info", None, tolerance, message)
-
-
-def after_run(resolved: ResolvedScene) -> list[Finding]:
-    """Whether one degree of freedom on a spring EA/L stands for every tow of a scene. The word judges that model, not
-    the run, whose verdict it leaves alone."""
-    tolerance = tolerance_of(resolved.scene)
-    try:
-        findings = [spring_check(tow, tolerance) for tow in tows(resolved)]
-    except CableError as error:
-        # a run that is done keeps its result
-        findings = [Finding(SPRING, "warning", None, tolerance, f"could not be compared: {error}")]
-    return [finding for finding in findings if finding]
-
-
-def spring_check(tow: SceneTow, tolerance: float) -> Finding | None:
-    """Body on a spring EA/L against body on the cable, at the frequency of the ship's heave; None where there is no such
-    spring or no ship. Relative error of the body's heave: it would do within ``tolerance``, nearly within twice that. Raises
-    `CableError` where the response is refused."""
-    if tow.drive is None or spring_gain(tow.tow, tow.drive[1]) is None:
-        return None
-    gain = gains(tow.tow, [tow.drive[1]])[0]
-    assert gain.spring is not None
-    right = abs(gain.body_heave)
-    off = abs(gain.spring / right - 1.0) if right else math.inf
-    word = "would do" if off <= tolerance else "nearly would do" if off <= 2.0 * tolerance else "would not do"
-    return Finding(
-        SPRING, "ok" if off <= tolerance else "info", off, tolerance,
-        f"a body on a spring {word} in place of the cable: at {gain.omega / (2.0 * math.pi):.3g} Hz the body of {tow.name} "
-        f"heaves {gain.spring:.4g} m per metre of the towpoint, on the cable {right:.4g} m",
-    )  # fmt: skip
 
 
 def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Finding:

@@ -1,18 +1,14 @@
-"""The check of the tows in a scene: is the model fine enough before the run; how far is a linear one off, and does a spring
-EA/L stand for the cable, after it?
+"""The check of the tows in a scene: is the model fine enough before the run, and how far is a linear one off after it?
 
 The numbers are in `towing` and `linearity`, whose models take long to import: only a scene with a tow pays for them.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from towage.checks.check import Check, Finished, Start, told
-from towage.checks.tow_names import SPRING, UNITS
+from towage.checks.check import Check, Finished, Start
+from towage.checks.tow_names import UNITS
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
-from towage.scene.scene import Scene
 
 
 def has_tow(scene: ResolvedScene) -> bool:
@@ -29,28 +25,26 @@ def before(start: Start) -> list[Finding]:
     return towing.before_run(start.scene)
 
 
-def reads(scene: Scene) -> tuple[str, ...]:
+def reads(scene: ResolvedScene) -> tuple[str, ...]:
     """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body."""
     kinds = {*UNITS, "towed_body"}
-    ends = (text.rpartition(" -> ") for text in scene.connections)  # no input of these units has an arrow in its name
-    units = ((source, scene.units.get(target.split(".")[0])) for source, _, target in ends)
-    return tuple(source for source, unit in units if unit and Path(unit.fmu).stem in kinds)
+    driven = {name for name, unit in scene.units.items() if unit.description.model_name in kinds}
+    return tuple(f"{c.source_unit}.{c.source}" for c in scene.connections if c.target_unit in driven)
 
 
 def after(run: Finished) -> list[Finding]:
-    """The error of every linear tow, as its margin; whether one degree of freedom on a spring EA/L stands for every tow."""
+    """The error of every linear tow, as its margin."""
     if not has_tow(run.scene):
         return []
-    from towage.checks import linearity, towing
+    from towage.checks import linearity
 
-    return [*linearity.judge(run), *towing.after_run(run.scene)]
+    return linearity.judge(run)
 
 
 CHECK = Check(
     name="towing",
-    description="Which model does a tow need, how far is a linear one off, and would a spring do?",
+    description="Which model does a tow need, and how far is a linear one off?",
     reads=reads,
     before=before,
     after=after,
-    summary=lambda result: told(result, SPRING),
 )

@@ -102,8 +102,6 @@ def _tows(arguments: argparse.Namespace, scene: Scene, last: float, out: Path) -
         save_rows(files[-1], [row for table in tables for row in table])
         if not arguments.json:
             print(answer.text())
-            if answer.spring:
-                print(f"{answer.spring.name}: {answer.spring.message}")
             print(f"written to {out}: {', '.join(file.name for file in files)}")
     if arguments.json:
         documents = [

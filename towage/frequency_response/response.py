@@ -20,13 +20,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from towage.checks.towing import Gain, SceneTow, gains, spring_check, tolerance_of, tows
+from towage.checks.towing import Gain, SceneTow, gains, tows
 from towage.errors import SceneError
 from towage.files import atomic_write
 from towage.frequency_response.along import STATIONS, Row, along
 from towage.frequency_response.excitation import excitation_of, in_words
 from towage.models.cable.steady.perturbation import Excitation
-from towage.result.records import Finding
 from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.scene.select import select
@@ -40,13 +39,10 @@ LOWEST, HIGHEST, POINTS = 0.02, 1.0, 40
 
 @dataclass(frozen=True)
 class Response:
-    """The response of one tow to ``excitation``. ``gains``: one for each angular frequency, rad/s. ``spring``: whether one
-    degree of freedom on a spring EA/L stands for this tow at the frequency of the ship's heave; None without a ship or a
-    known EA."""
+    """The response of one tow to ``excitation``. ``gains``: one for each angular frequency, rad/s."""
 
     tow: SceneTow
     gains: tuple[Gain, ...]
-    spring: Finding | None
     excitation: Excitation
 
     @property
@@ -150,11 +146,10 @@ def response(
     omegas: Sequence[float] = (2.0 * np.pi * hertz).tolist()
     try:
         found = tows(described(chosen, locator(Path(fmus) if fmus else None), open_ends=True))
-        limit = tolerance_of(chosen)
         answers = []
         for tow in found:
             drive = excitation_of(excitation or {}, tow.tow.quadrant)
-            answers.append(Response(tow, tuple(gains(tow.tow, list(omegas), drive)), spring_check(tow, limit), drive))
+            answers.append(Response(tow, tuple(gains(tow.tow, list(omegas), drive)), drive))
     except ValueError as error:
         raise SceneError(str(error), file=chosen.file, key="units") from error
     if not answers:

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +28,7 @@ from towage.units.description import Value
 from towage.units.store import Locate
 
 Array = NDArray[np.float64]
+NOTHING: Mapping[str, float] = MappingProxyType({})
 
 
 class Unfit(Exception):
@@ -56,12 +58,13 @@ class Seen(NamedTuple):
 @dataclass(frozen=True)
 class Trial:
     """A scene on its way up the ladder, without cases. ``names``: what a compared output of the given scene is called in
-    this one, as "unit.variable"."""
+    this one, as "unit.variable"; ``more``: a constant, SI, that is added to this one's before it is compared."""
 
     scene: Scene
     names: Mapping[str, str]
     seen: Seen
     locate: Locate
+    more: Mapping[str, float] = field(default_factory=dict)
 
     def showing(self, margins: tuple[str, ...]) -> Trial:
         """With margins, "unit.margin_...", that are shown and do not decide."""
@@ -73,6 +76,19 @@ class Trial:
     def resolved(self) -> ResolvedScene:
         """The scene against its units. Raises `SceneError`."""
         return described(self.scene, self.locate)
+
+    @property
+    def wiring(self) -> list[tuple[str, str, str]]:
+        """(as written, source, target) of every connection, both ends as "unit.variable"."""
+        found = zip(self.scene.connections, self.resolved.connections, strict=True)
+        return [(text, f"{c.source_unit}.{c.source}", f"{c.target_unit}.{c.target}") for text, c in found]
+
+    def source(self, target: str) -> str:
+        """The output that feeds an input. Raises `Unfit`."""
+        for _, source, fed in self.wiring:
+            if fed == target:
+                return source
+        raise Unfit(f"nothing is connected to {target}")
 
     def units(self, *models: str) -> list[ResolvedUnit]:
         """Its units of these models."""
@@ -94,9 +110,13 @@ class Trial:
         new = {key: value for key, value in values.items() if self.value(*key.split(".", 1)) != value}
         return replace(self, scene=self.scene.setting(new, "ladder")) if new else self
 
-    def rebuilt(self, units: Mapping[str, UnitEntry], connections: list[str], names: Mapping[str, str]) -> Trial:
-        """Of other units: ``names`` as of a trial, for those outputs that are called otherwise now. Tables of checks and of
-        the record, and margins of units that changed, are left out, and references between units become numbers."""
+    def rebuilt(
+        self, units: Mapping[str, UnitEntry], connections: list[str], names: Mapping[str, str],
+        more: Mapping[str, float] = NOTHING,
+    ) -> Trial:  # fmt: skip
+        """Of other units: ``names`` and ``more`` by what this trial calls an output, for those that are called otherwise or
+        lack a constant now. Tables of checks and of the record, and margins of units that changed, are left out, and
+        references between units become numbers."""
         scene = self.scene.without_comparisons()
         numbers = {name: self._numbers(name, unit) for name, unit in units.items()}
         old = self.scene.units
@@ -104,8 +124,9 @@ class Trial:
         shown = tuple(name for name in scene.checks.report_only if name.partition(".")[0] in kept)
         checks, record = structs.replace(scene.checks, report_only=shown), structs.replace(scene.record, variables=None)
         scene = structs.replace(scene, units=numbers, connections=tuple(connections), checks=checks, record=record)
-        return replace(self, scene=scene, names={given: names.get(here, here) for given, here in self.names.items()})
-
+        added = {given: self.more.get(given, 0.0) + more.get(here, 0.0) for given, here in self.names.items()}
+        called = {given: names.get(here, here) for given, here in self.names.items()}
+        return replace(self, scene=scene, names=called, more=added)
 
     def _numbers(self, name: str, unit: UnitEntry) -> UnitEntry:
         """A unit whose values refer to no other unit."""
@@ -122,14 +143,19 @@ def _same(trial: Trial) -> Trial:
     return trial
 
 
+def _always(trial: Trial) -> bool:
+    return True
+
+
 @dataclass(frozen=True)
 class Level:
     """One way to model something. ``make`` changes a trial into one that does, or raises `Unfit`; ``leaves_out``: what it
-    does not know, empty for the fullest."""
+    does not know, empty for the fullest; ``asked(trial)``: whether a scene has this level at all."""
 
     name: str
     leaves_out: str = ""
     make: Callable[[Trial], Trial] = _same
+    asked: Callable[[Trial], bool] = _always
 
 
 @dataclass(frozen=True)
@@ -146,12 +172,6 @@ class Axis:
 def entry(fmu: str, parameters: Mapping[str, Any], inputs: Mapping[str, Any] | None = None) -> UnitEntry:
     """A unit of a scene file."""
     return UnitEntry(fmu, dict(parameters), dict(inputs or {}))
-
-
-def ends(connection: str) -> tuple[str, str]:
-    """(source, target) of a connection, each "unit.variable"."""
-    source, _, target = connection.partition(" -> ")
-    return source, target
 
 
 def moved(scene: Scene, folder: os.PathLike[str]) -> Scene:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from msgspec import structs
 
-from towage.ladder.axis import Axis, Level, Trial, Unfit, ends, entry
+from towage.ladder.axis import Axis, Level, Trial, Unfit, entry
 
 SEA_INPUTS = ("wave_height", "wave_period", "wave_direction", "speed")
 OSCILLATOR = ("ramp_time", "mass", "damping", "stiffness", "sdof_tolerance")
@@ -23,7 +23,7 @@ def _calm(trial: Trial) -> str:
 
 def regular(trial: Trial) -> Trial:
     """Every ship in an irregular sea as one in a regular wave; units that told her of the sea go."""
-    units, connections = dict(trial.scene.units), list(trial.scene.connections)
+    units, wiring = dict(trial.scene.units), trial.wiring
     for ship in trial.units("ship_in_sea"):
         spread, speed = trial.seen.spread(f"{ship.name}.free_heave")
         if not (spread and speed):
@@ -32,11 +32,10 @@ def regular(trial: Trial) -> Trial:
         oscillator = {name: given[name] for name in OSCILLATOR if name in given}
         wave = {"heave_amplitude": math.sqrt(2.0) * spread, "heave_period": 2.0 * math.pi * spread / speed}
         units[ship.name] = entry("ship", oscillator | wave)
-        connections = [c for c in connections if ends(c)[1] not in {f"{ship.name}.{name}" for name in SEA_INPUTS}]
-    used = {end.partition(".")[0] for connection in connections for end in ends(connection)}
-    before = {end.partition(".")[0] for connection in trial.scene.connections for end in ends(connection)}
+        wiring = [wire for wire in wiring if wire[2] not in {f"{ship.name}.{name}" for name in SEA_INPUTS}]
+    used, before = ({end.partition(".")[0] for _, *ends in wires for end in ends} for wires in (wiring, trial.wiring))
     kept = {name: unit for name, unit in units.items() if name in used or name not in before}
-    scene = structs.replace(trial.scene, units=kept, connections=tuple(connections))
+    scene = structs.replace(trial.scene, units=kept, connections=tuple(text for text, *_ in wiring))
     gone = [name for name in trial.scene.checks.report_only if name.endswith(("margin_froude", "margin_slow_sea"))]
     rest = tuple(name for name in scene.checks.report_only if name not in gone)
     return replace(trial, scene=structs.replace(scene, checks=structs.replace(scene.checks, report_only=rest)))
@@ -49,8 +48,9 @@ def back(trial: Trial) -> list[str]:
         return list(section.cut)
     variables = {name: unit.description.by_name() for name, unit in trial.resolved.units.items()}
     return [
-        str(c) for c in trial.resolved.connections if variables[c.target_unit][c.target].unset.startswith("one way")
-    ]
+        text for (text, *_), c in zip(trial.wiring, trial.resolved.connections, strict=True)
+        if variables[c.target_unit][c.target].unset.startswith("one way")
+    ]  # fmt: skip
 
 
 def _one_way_already(trial: Trial) -> str:

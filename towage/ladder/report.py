@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from towage.checks.statistics import deciding
 from towage.files import atomic_write
+from towage.ladder.measure import word
 from towage.ladder.rungs import Rung
 from towage.ladder.simplest import Ladder, scene_of
 from towage.report.format import Markup, badge, details, figure, number, page, percent, table
 from towage.report.page import ASCII
 from towage.report.plots import BLUE, GREEN, RED
 from towage.report.svg import canvas
+from towage.result.records import Statistic
 from towage.scene.scene_file import toml
 
 LEAST = 1e-6
@@ -38,25 +41,30 @@ def conclusion(ladder: Ladder) -> str:
     )
 
 
-def decided_by(rung: Rung) -> str:
-    """The signal and the measure of the largest error."""
+def decided_by(ladder: Ladder, rung: Rung) -> str:
+    """What the largest error is of."""
+    return deciding(rung.errors, ladder.tolerance)[0] if rung.errors and rung.error else ""
+
+
+def error_of(ladder: Ladder, rung: Rung) -> str:
+    """The error that decides, with its interval."""
     if not rung.errors:
-        return ""
-    signal, error = max(rung.errors.items(), key=lambda item: item[1].worst)
-    kinds = {"amplitude": abs(error.amplitude), "peak": abs(error.peak), "rms": error.rms}
-    return f"{max(kinds, key=kinds.__getitem__)} of {signal}" if error.worst else ""
+        return percent(math.nan)
+    one = deciding(rung.errors, ladder.tolerance)[1]
+    return percent(abs(one.error)) + (f" ± {percent(one.half_width, 2)}" if one.half_width else "")
 
 
 def rows(ladder: Ladder) -> list[tuple[str, str, str, str, str, str]]:
     """A row a rung, under `HEAD`; one that was not made or not run has dashes and its reason in the last column."""
     told = []
     for k, rung in enumerate(ladder.rungs, 1):
-        said = rung.reason or ("not judged" if ladder.enough is None else "yes" if rung.error <= ladder.tolerance else "no")
+        judged = {"valid": "yes", "invalid": "no"}.get(word(rung.errors, ladder.tolerance) if rung.errors else "", "not judged")
+        said = rung.reason or ("not judged" if ladder.enough is None else judged)
         said += ", recommended" if rung is ladder.enough else ""
-        marks = [word for word, here in (("as given", rung.given), ("fullest", rung is ladder.fullest)) if here]
+        marks = [what for what, here in (("as given", rung.given), ("fullest", rung is ladder.fullest)) if here]
         name = f"{k}. {rung.name}" + (f" ({', '.join(marks)})" if marks else "")
         cost = "–" if math.isnan(rung.cost) else f"{number(rung.cost, 2)} s"
-        told.append((name, percent(rung.error), decided_by(rung), cost, number(rung.ratio, 2), said))
+        told.append((name, error_of(ladder, rung), decided_by(ladder, rung), cost, number(rung.ratio, 2), said))
     return told
 
 
@@ -69,8 +77,14 @@ def text(ladder: Ladder) -> str:
     for row, said in zip(told, last, strict=True):
         lines.append("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + f"  {said}")
     lines += [f"  not asked: {question} ({why})" for question, why in ladder.absent.items()]
-    lines.append(f"  compared: {', '.join(ladder.signals)} from {number(ladder.settle)} s on; {own(ladder)}")
+    lines.append(f"  {compared(ladder)}; {own(ladder)}")
     return "\n".join(lines).translate(ASCII)
+
+
+def compared(ladder: Ladder) -> str:
+    """What was compared."""
+    kind = "compared by statistics" if ladder.statistical else "compared"
+    return f"{kind}: {', '.join(ladder.signals)} from {number(ladder.settle)} s on"
 
 
 def own(ladder: Ladder) -> str:
@@ -88,15 +102,42 @@ def document(ladder: Ladder) -> dict[str, Any]:
         {
             "name": rung.name, "levels": rung.levels, "leaves_out": rung.leaves_out, "reason": rung.reason, "given": rung.given,
             "error": plain(rung.error), "cost_s": plain(rung.cost), "ratio": plain(rung.ratio),
-            "errors": {s: {k: plain(v) for k, v in e._asdict().items()} for s, e in (rung.errors or {}).items()},
+            "errors": {n: {"error": plain(e.error), "half_width": plain(e.half_width)} for n, e in (rung.errors or {}).items()},
         }
         for rung in ladder.rungs
     ]  # fmt: skip
     return {
         "title": ladder.title, "case": ladder.case, "tolerance": ladder.tolerance, "signals": ladder.signals,
-        "settle": ladder.settle, "fullest": ladder.fullest.name, "own_error": plain(ladder.own_error),
+        "settle": ladder.settle, "statistical": ladder.statistical,
+        "fullest": ladder.fullest.name, "own_error": plain(ladder.own_error),
         "enough": ladder.enough and ladder.enough.name, "note": ladder.note, "absent": dict(ladder.absent), "rungs": rungs,
     }  # fmt: skip
+
+
+def ladder_of(told: Mapping[str, Any]) -> Ladder:
+    """The ladder that a `document` tells of, without the scenes of its rungs."""
+
+    def number_of(value: Any, absent: float) -> float:
+        return absent if value is None else float(value)
+
+    rungs = []
+    for one in told["rungs"]:
+        found = {
+            name: Statistic(number_of(error["error"], math.inf), number_of(error["half_width"], math.inf))
+            for name, error in one["errors"].items()
+        }
+        rungs.append(
+            Rung(
+                tuple(one["levels"]), tuple(one["leaves_out"]), None, one["reason"], one["given"], found or None,
+                number_of(one["cost_s"], math.nan), number_of(one["ratio"], math.nan),
+            )
+        )  # fmt: skip
+    by_name = {rung.name: rung for rung in rungs}
+    return Ladder(
+        told["title"], told["case"], told["tolerance"], tuple(told["signals"]), told["settle"], told["statistical"], tuple(rungs),
+        by_name[told["fullest"]], number_of(told["own_error"], math.inf), by_name.get(told["enough"]), told["note"],
+        told["absent"],
+    )  # fmt: skip
 
 
 def markdown(ladder: Ladder) -> str:
@@ -104,7 +145,7 @@ def markdown(ladder: Ladder) -> str:
     said = conclusion(ladder)
     lines = [f"{said[0].upper()}{said[1:]}.", "", f"| {' | '.join(HEAD)} |", "|---|--:|---|--:|--:|---|"]
     lines += [f"| {' | '.join(row)} |" for row in rows(ladder)]
-    return "\n".join([*lines, "", f"Compared: {', '.join(ladder.signals)} from {number(ladder.settle)} s on; {own(ladder)}."])
+    return "\n".join([*lines, "", f"{compared(ladder).capitalize()}; {own(ladder)}."])
 
 
 def picture(ladder: Ladder, key: str) -> str:
@@ -143,18 +184,18 @@ def write_report(ladders: Sequence[Ladder], path: Path) -> Path:
 def _section(ladder: Ladder, key: str) -> str:
     """One case."""
     said = conclusion(ladder)
-    word = "ok" if ladder.enough else "not judged"
     body = [
         (Markup(f"{escape(row[0])}<small>{escape(_without(rung))}</small>"), *row[1:])
         for row, rung in zip(rows(ladder), ladder.rungs, strict=True)
     ]
-    head = f'<div class="headline"><h2>{escape(ladder.case or "Base case")}</h2>{badge(word)}</div>'
+    sign = badge("ok" if ladder.enough else "not judged")
+    head = f'<div class="headline"><h2>{escape(ladder.case or "Base case")}</h2>{sign}</div>'
     drawn = picture(ladder, key)
     file = ""
     if ladder.enough:
         source = toml(scene_of(ladder, ladder.enough))
         file = details("Scene file of the recommended model", f"<pre>{escape(source)}</pre>")
-    note = f"Compared: {', '.join(ladder.signals)}, from {number(ladder.settle)} s on; {own(ladder)}."
+    note = f"{compared(ladder).capitalize()}; {own(ladder)}."
     note += "".join(f" Not asked: {question} ({why})." for question, why in ladder.absent.items())
     return (
         f"<section>{head}<p>{escape(said[0].upper() + said[1:])}.</p>{table(HEAD, body, (1, 3, 4))}"
@@ -170,9 +211,10 @@ def _without(rung: Rung) -> str:
 
 def _every(ladder: Ladder) -> str:
     """All errors, folded."""
-    head = ("Model", *(f"{signal}, {kind}" for signal in ladder.signals for kind in ("amplitude", "peak", "rms")))
+    names = list(ladder.fullest.errors or {})
+    head = ("Model", *names)
     body = [
-        (rung.name, *(percent(value) for signal in ladder.signals for value in rung.errors[signal]))
+        (rung.name, *(percent(one.error) if (one := rung.errors.get(name)) else "–" for name in names))
         for rung in ladder.rungs if rung.errors
     ]  # fmt: skip
     return details("All errors", table(head, body, range(1, len(head))))

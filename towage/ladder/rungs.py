@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
-from towage.checks.signals import Difference
 from towage.errors import TowageError
 from towage.ladder.axis import Axis, Level, Trial, Unfit
-from towage.ladder.measure import worst
+from towage.ladder.measure import Errors, worst
 from towage.registry import AXES
 
 
 @dataclass(frozen=True)
 class Rung:
     """A model of the scene. ``levels``: the level on every axis; ``leaves_out`` what it does not know; ``trial``: its scene;
-    ``reason``: why it was not made or not run, else empty. ``errors``: signal to its error against the fullest; ``cost``,
+    ``reason``: why it was not made or not run, else empty. ``errors`` against the fullest; ``cost``,
     processor time, s, ``ratio``, over that of the fullest. ``given``: it is the scene as it is."""
 
     levels: tuple[str, ...]
@@ -25,7 +24,7 @@ class Rung:
     trial: Trial | None
     reason: str = ""
     given: bool = False
-    errors: Mapping[str, Difference] | None = None
+    errors: Errors | None = None
     cost: float = math.nan
     ratio: float = math.nan
 
@@ -48,11 +47,18 @@ def axes_of(base: Trial) -> tuple[list[Axis], dict[str, str]]:
 
 
 def rungs_of(base: Trial, axes: Sequence[Axis]) -> list[Rung]:
-    """From the simplest to the fullest. A level that cannot be made is a rung that says why, and takes part in no other."""
-    alone = [[(level, _rung(base, [level])) for level in axis.levels] for axis in axes]
-    unfit = [rung for levels in alone for _, rung in levels if rung.trial is None]
-    fit = [[level for level, rung in levels if rung.trial] for levels in alone]
-    return unfit + [_rung(base, levels) for levels in itertools.product(*fit)]
+    """From the simplest to the fullest. A level that fits in no model of the scene is one rung that says why, and so is a
+    combination that does not."""
+    asked = [[level for level in axis.levels if level.asked(base)] for axis in axes]
+    every = [(levels, _rung(base, levels)) for levels in itertools.product(*asked)]
+    fit = {id(level) for levels, rung in every if rung.trial for level in levels}
+    never = [level for levels in asked for level in levels if id(level) not in fit]
+    unfit = []
+    for level in never:
+        alone = _rung(base, [level])
+        reason = alone.reason or next(rung.reason for levels, rung in every if level in levels)
+        unfit.append(replace(alone, trial=None, reason=reason))
+    return unfit + [rung for levels, rung in every if rung.trial or not any(level in levels for level in never)]
 
 
 def _rung(base: Trial, levels: Sequence[Level]) -> Rung:

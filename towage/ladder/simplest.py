@@ -19,10 +19,25 @@ from typing import Any
 from msgspec import structs
 
 from towage.api import NOTHING
-from towage.checks.signals import Difference
+from towage.checks.statistics import deciding, longer
 from towage.errors import RunError, TowageError
 from towage.ladder.axis import Seen, Trial
-from towage.ladder.measure import Asked, asked, bare, coarse, differences, moves, of_both, track, worst
+from towage.ladder.measure import (
+    Asked,
+    Errors,
+    Shown,
+    asked,
+    bare,
+    coarse,
+    errors,
+    known_to_all,
+    lacks,
+    moves,
+    of_both,
+    track,
+    word,
+    worst,
+)
 from towage.ladder.rungs import Rung, axes_of, rungs_of
 from towage.master.stages import Report
 from towage.process.worker import run_isolated
@@ -40,13 +55,15 @@ EQUAL = 1.5
 class Ladder:
     """The rungs of one case, the fullest last. ``fullest`` is the one that errors are against; ``own_error``: how much it
     changes itself with doubled step, or tenfold tolerance. ``enough``: the rung recommended, None with a ``note`` that says
-    why. ``absent``: question to why it is none for this scene. ``signals``: what was compared, from ``settle``, s, on."""
+    why. ``absent``: question to why it is none for this scene. ``signals``: what was compared, from ``settle``, s, on, by their
+    statistics where it is ``statistical``."""
 
     title: str
     case: str
     tolerance: float
     signals: tuple[str, ...]
     settle: float
+    statistical: bool
     rungs: tuple[Rung, ...]
     fullest: Rung
     own_error: float
@@ -107,7 +124,7 @@ def simplest(
     resolved = described(chosen, locate)  # a scene that is refused is refused before anything runs
     given = way.run(bare(chosen), "the scene as it is", (0, 8))
     question = asked(resolved, given, tolerance)
-    base = Trial(chosen, {name: name for name in question.signals}, Seen(track(given), question.settle), locate)
+    base = Trial(chosen, {name: name for name in given.columns}, Seen(track(given), question.settle), locate)
     return _climbed(way, base, given, question)
 
 
@@ -115,6 +132,11 @@ def _climbed(way: _Way, base: Trial, given: Result, question: Asked) -> Ladder:
     """Every rung run, compared, and one recommended."""
     axes, absent = axes_of(base)
     rungs = rungs_of(base, axes)
+    shared = known_to_all(question, [rung.trial for rung in rungs if rung.trial])
+    if question.named or not shared.signals:
+        rungs = [_comparable(rung, question) for rung in rungs]
+    else:
+        question = shared
     known = [(bare(base.scene), given)]
     total = sum(rung.trial is not None for rung in rungs) + 2
     runs: dict[int, Result] = {}
@@ -131,28 +153,29 @@ def _climbed(way: _Way, base: Trial, given: Result, question: Asked) -> Ladder:
             rungs[k] = replace(rung, given=runs[k] is given, cost=cost_of(runs[k]))
             known.append((scene, runs[k]))
     top = max(runs)
-    full = runs[top], _trial(rungs[top])
+    full = _shown(runs[top], rungs[top])
+    question, own = _certain(way, question, full, (total - 1, total))
     for k, result in runs.items():
-        errors = _errors(question, full, (result, _trial(rungs[k])))
-        rungs[k] = replace(rungs[k], errors=errors, ratio=rungs[k].cost / rungs[top].cost)
-    own = _own_error(way, question, full, (total - 1, total))
-    enough, note = recommended(rungs, question.tolerance, own, moves(question, track(given)))
+        found = errors(question, full, _shown(result, rungs[k]))
+        rungs[k] = replace(rungs[k], errors=found, ratio=rungs[k].cost / rungs[top].cost)
+    enough, note = recommended(rungs, question, own, moves(question, track(given)))
     return Ladder(
-        base.scene.title, base.scene.chosen, question.tolerance, question.signals, question.settle, tuple(rungs), rungs[top],
-        own, enough, note, absent,
+        base.scene.title, base.scene.chosen, question.tolerance, question.signals, question.settle, question.statistical,
+        tuple(rungs), rungs[top], worst(own) if own else math.inf, enough, note, absent,
     )  # fmt: skip
 
 
-def _trial(rung: Rung) -> Trial:
-    """That of a rung that was run."""
+def _comparable(rung: Rung, question: Asked) -> Rung:
+    """Without its trial where that does not know all that is compared."""
+    if rung.trial and (unknown := [name for name in question.signals if lacks(rung.trial, name)]):
+        return replace(rung, trial=None, reason=f"it does not know {unknown[0]}, which is compared")
+    return rung
+
+
+def _shown(result: Result, rung: Rung) -> Shown:
+    """The run of a rung that was made."""
     assert rung.trial
-    return rung.trial
-
-
-def _errors(question: Asked, full: tuple[Result, Trial], other: tuple[Result, Trial]) -> dict[str, Difference]:
-    """Of a run against the fullest."""
-    (one, name), (two, called) = full, other
-    return differences(question, track(one), name.names, track(two), called.names)
+    return Shown(track(result), rung.trial)
 
 
 def _equal(one: Scene, two: Scene) -> bool:
@@ -165,26 +188,38 @@ def cost_of(result: Result) -> float:
     return result.statistics["start_cpu_s"] + result.statistics["cpu_s"]
 
 
-def _own_error(way: _Way, question: Asked, full: tuple[Result, Trial], place: tuple[int, int]) -> float:
-    """How much the fullest changes with doubled step, or tenfold tolerance; infinite where that run fails."""
+def _certain(way: _Way, question: Asked, full: Shown, place: tuple[int, int]) -> tuple[Asked, Errors | None]:
+    """How much the fullest changes with doubled step, or tenfold tolerance, None where that run fails. Where the motions part,
+    chaos is one reason: the question is then for the statistics, which a step that is too long changes too."""
+    scene = full.trial.scene
     try:
-        twice = way.run(coarse(bare(full[1].scene)), "the fullest with doubled step", place)
+        twice = Shown(track(way.run(coarse(bare(scene)), "the fullest with doubled step", place)), full.trial)
     except TowageError:
-        return math.inf
-    return worst(_errors(of_both(question, full[1].scene.coupling.step), full, (twice, full[1])))
+        return question, None
+    own = errors(of_both(question, scene.coupling.step), full, twice)
+    if question.statistical or worst(own) <= question.tolerance:
+        return question, own
+    question = question._replace(statistical=True)
+    return question, errors(of_both(question, scene.coupling.step), full, twice)
 
 
-def recommended(rungs: Sequence[Rung], tolerance: float, own: float, moving: bool) -> tuple[Rung | None, str]:
+def recommended(rungs: Sequence[Rung], question: Asked, own: Errors | None, moving: bool) -> tuple[Rung | None, str]:
     """(the rung that is enough, why there is none). ``own``: how much the fullest changes with doubled step; ``moving``:
     whether anything does."""
     if not moving:
         return None, "nothing moves, so that no model can be told from another: give the scene a motion"
-    if not own <= tolerance:
+    tolerance = question.tolerance
+    if own is None:
+        return None, "not judged: the fullest model fails with doubled step (tenfold tolerance)"
+    if word(own, tolerance) != "valid":
+        name, statistic = deciding(own, tolerance)
+        wide = statistic.half_width > 0.0
+        more = longer(statistic, tolerance, float(question.times[-1])) if wide else "take a shorter step"
         return None, (
-            f"not judged: with doubled step (tenfold tolerance) the fullest model itself changes by {100.0 * own:.3g} %: its "
-            "motion is chaotic, or the step too long"
+            f"not judged: with doubled step (tenfold tolerance) the {name} of the fullest model itself changes by "
+            f"{100.0 * statistic.error:.3g} %{f' +- {100.0 * statistic.half_width:.3g} %' if wide else ''}: {more}"
         )
-    enough = [rung for rung in rungs if rung.errors and rung.error <= tolerance]
+    enough = [rung for rung in rungs if rung.errors and word(rung.errors, tolerance) == "valid"]
     least = min(rung.cost for rung in enough)
     return next(rung for rung in enough if rung.cost <= EQUAL * least), ""
 

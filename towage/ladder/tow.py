@@ -1,7 +1,8 @@
-"""The axis of a tow: a massless spring, the linear cable with states reduced or with all, the nonlinear cable.
+"""The axis of a tow: a massless spring, the linear cable with states reduced or with all, the nonlinear cable, the wire.
 
-The units share their parameters (`models.cable.parameters.TowParameters`), so that one takes the place of another; a
-`tow_cable` with its `towed_body` becomes one unit with its body. The spring is EA/L between the ship and a cradle of the body's
+The towing units share their parameters (`models.cable.parameters.TowParameters`), so that one takes the place of another; a
+`tow_cable` with its `towed_body` becomes one unit with its body. A `wire` takes their place, and they
+that of one that is towed, where it is the same tow (`wire`). The spring is EA/L between the ship and a cradle of the body's
 mass, with the linear part of the body's drag.
 """
 
@@ -11,7 +12,9 @@ from collections.abc import Callable
 from dataclasses import fields
 
 from towage.checks.tow_names import UNITS
-from towage.ladder.axis import Axis, Level, Trial, Unfit, ends, entry
+from towage.ladder.axis import Axis, Level, Trial, Unfit, entry
+from towage.ladder.spring import on_spring
+from towage.ladder.wire import cabled, coarse, has_wire, wired, wires
 from towage.models.cable.parameters import Choice, TowParameters
 from towage.units.description import Value
 
@@ -31,7 +34,7 @@ INTERNAL = 0.05
 
 
 def _no_tow(trial: Trial) -> str:
-    return "" if trial.units(*UNITS) else "nothing is towed on a cable"
+    return "" if trial.units(*UNITS) or wires(trial, towed=True) else "nothing is towed on a cable"
 
 
 def _tow(trial: Trial) -> tuple[str, str]:
@@ -54,8 +57,7 @@ def _as(trial: Trial, fmu: str, more: dict[str, Value]) -> Trial:
     units = {n: u for n, u in trial.scene.units.items() if n not in bodies} | {name: entry(fmu, parameters, inputs)}
     called = {f"{body}.{here}": f"{name}.{there}" for body in bodies for here, there in BODY.items()}
     connections = []
-    for connection in trial.scene.connections:
-        source, target = ends(connection)
+    for _, source, target in trial.wiring:
         unit, _, variable = target.partition(".")
         if unit in bodies and variable in ("drag_change", "lift_change"):
             target = f"{name}.body_{variable}"
@@ -71,6 +73,7 @@ def _linear(reduced: float) -> Callable[[Trial], Trial]:
     """A level's ``make``."""
 
     def make(trial: Trial) -> Trial:
+        trial = cabled(trial)
         name, kind = _tow(trial)
         if kind in LINEAR:
             return trial.setting({f"{name}.reduced": reduced})
@@ -82,6 +85,7 @@ def _linear(reduced: float) -> Callable[[Trial], Trial]:
 
 def nonlinear(trial: Trial) -> Trial:
     """The nonlinear cable with as many segments as the linear one needs. Raises `Unfit`."""
+    trial = cabled(trial)
     name, kind = _tow(trial)
     if kind == NONLINEAR:
         return trial
@@ -107,51 +111,36 @@ def segments(trial: Trial, name: str, kind: str) -> float:
         raise Unfit(str(error)) from error
 
 
+def wire(trial: Trial) -> Trial:
+    """The nonlinear wire. Raises `Unfit`."""
+    if wires(trial, towed=True):
+        return trial
+    name, kind = _tow(trial)
+    return wired(_as(trial, "tow_system", {}) if kind == "tow_cable" else trial, name)
+
+
 def spring(trial: Trial) -> Trial:
     """A body on a spring EA/L in heave. Raises `Unfit`."""
+    trial = cabled(trial)
     name, kind = _tow(trial)
     stiffness = trial.value(name, "axial_stiffness")
     if trial.value(name, "quadrant") != 1.0:
         raise Unfit("a float that a submarine tows does not hang on a spring")
     if not stiffness:
         raise Unfit(f"{name}.axial_stiffness is not known, which makes the spring EA/L: give EA")
-    source = _heave(trial, name, kind)
-    body = f"{name}_body"
     slope = trial.value(name, "body_drag") / trial.value(name, "tow_speed")
     weight = trial.value(name, "body_weight_in_water") - trial.value(name, "body_lift")
-    units = {n: u for n, u in trial.scene.units.items() if n in {source.partition(".")[0]}}
-    units[name] = entry(
-        "spring_line",
-        {"axial_stiffness": stiffness, "length": trial.value(name, "cable_length"), "static_tension": weight},
-    )
-    units[body] = entry(
-        "cradle",
-        {
-            "mass": trial.value(name, "body_mass"), "added_mass": trial.value(name, "body_added_mass_heave"),
-            "weight_in_water": weight, "water_density": trial.value(name, "water_density"),
-            "linear_damping": slope if trial.value(name, "body_quadratic_drag") > 0.5 else 0.0,
-        },
-    )  # fmt: skip
-    ship = source.partition(".")[0]
-    connections = [
-        f"{ship}.heave -> {name}.heave_top", f"{body}.heave -> {name}.heave_bottom", f"{name}.tension -> {body}.line_tension",
-    ]  # fmt: skip
-    if any(ends(c) == (f"{name}.reaction_heave", f"{ship}.reaction") for c in trial.scene.connections):
-        connections.append(f"{name}.reaction -> {ship}.reaction")
-    towed = next((unit.name for unit in trial.units("towed_body")), name)
-    heave, speed = ("heave", "velocity_heave") if towed != name else ("body_heave", "body_velocity_heave")
-    called = {f"{name}.tension_top": f"{name}.tension", f"{name}.tension_body": f"{name}.tension",
-              f"{towed}.{heave}": f"{body}.heave", f"{towed}.{speed}": f"{body}.velocity"}  # fmt: skip
-    return trial.rebuilt(units, connections, called)
-
-
-def _heave(trial: Trial, name: str, kind: str) -> str:
-    """The output that heaves the towpoint. Raises `Unfit` where something else moves the tow, or the ship has no heave."""
+    line = {"axial_stiffness": stiffness, "length": trial.value(name, "cable_length"), "static_tension": weight}
+    load = {
+        "mass": trial.value(name, "body_mass"), "added_mass": trial.value(name, "body_added_mass_heave"),
+        "weight_in_water": weight, "water_density": trial.value(name, "water_density"),
+        "linear_damping": slope if trial.value(name, "body_quadratic_drag") > 0.5 else 0.0,
+    }  # fmt: skip
+    bodies = [unit.name for unit in trial.units("towed_body")]
+    called = {f"{name}.{BODY['heave']}": "heave", f"{name}.{BODY['velocity_heave']}": "velocity"}
+    called |= {f"{body}.{n}": called[f"{name}.{BODY[n]}"] for body in bodies for n in ("heave", "velocity_heave")}
     heaves = f"{name}.{'top_' if kind == 'tow_cable' else ''}velocity_heave"
-    sources = {target: source for source, target in map(ends, trial.scene.connections)}
-    if heaves not in sources or not sources[heaves].endswith(".velocity"):
-        raise Unfit(f"no ship heaves {name}, and on the spring there is no other motion")
-    return sources[heaves]
+    return on_spring(trial, name, heaves, line, load, called)
 
 
 CABLE = Axis(
@@ -160,6 +149,8 @@ CABLE = Axis(
         Level("massless spring EA/L", "mass, drag, shape and waves of the cable; surge", spring),
         Level("linear cable, reduced", "large motions about the steady tow; fast modes", _linear(1.0)),
         Level("linear cable", "large motions about the steady tow", _linear(0.0)),
-        Level("nonlinear cable", "", nonlinear),
+        Level("nonlinear cable", "what is shorter than a segment", nonlinear),
+        Level("nonlinear wire, half as fine", "short waves and bends of the wire", coarse, has_wire),
+        Level("nonlinear wire", "", wire),
     ),
 )  # fmt: skip

@@ -146,7 +146,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
     variants, reads = [], []
     for check in scene.active_checks():
         check.fit(names, scene.checks.get(check.name))
-        reads += [(unit, name) for unit, _, name in (text.partition(".") for text in check.reads(scene))]
+        reads += [(unit, name) for unit, _, name in (text.partition(".") for text in check.reads(resolved))]
     for check in scene.active_checks():
         for variant in check.variants(scene):
             other = _bare(variant.scene, Names(variant.scene, descriptions)) if variant.scene else None
