@@ -44,6 +44,8 @@ RUN = "one-way run"
 TWIN = "one-way twin"
 NAME = "SDOF"
 """The item on the single degree of freedom."""
+BOTH = 2.0
+"""Coupling errors in a difference: the one-way run has the steps of the coupled one, and an error of its size, not measured."""
 
 
 def read(scene: Scene, section: SdofCheck) -> SdofCheck:
@@ -152,10 +154,12 @@ def item(result: Result) -> Item | None:
         return Item("invalid", reason, worst, c.tolerance, None, "model both ways", NAME)
     if c.word == "marginal":
         return Item("marginal", "SDOF: the bound eps/(1 - eps) exceeds the tolerance", c.bound, c.tolerance, name=NAME)
-    numerical = max((f.value for f in result.checks if f.name == NUMERICS and f.value is not None), default=0.0)
+    share = max((f.value for f in result.checks if f.name == NUMERICS and f.value is not None), default=0.0)
+    numerical = BOTH * share
     if worst + numerical > c.tolerance:
         remedy = "a shorter step or a tighter tolerance of the coupling"
-        return Item("marginal", f"{reason}, with the coupling error", worst + numerical, c.tolerance, None, remedy, NAME)
+        said = f"{reason}, with the coupling errors of both"
+        return Item("marginal", said, worst + numerical, c.tolerance, None, remedy, NAME)
     return Item("valid", reason, worst, c.tolerance, name=NAME)
 
 
