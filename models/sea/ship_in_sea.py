@@ -19,37 +19,42 @@ As x_i stays when the sea changes, a change of height, period, direction or spee
 ``update_interval`` the unit looks at its inputs, and over the next interval amplitudes, omega_p and the rates of C and
 D go over to the new sea by the ramp of `ship`. Its heave thus lags the sea by up to two intervals, its velocity
 is the exact derivative of its heave, and phases between two looks are closed forms: P, C and D advance once an
-interval, with the rounding error carried along, so that ten hours drift by less than 1e-9 rad.
+interval in which the sea changes, so that ten hours drift by less than 1e-9 rad. A look is an event: what was seen is held in
+modes. The sums over the components are those of `motion`.
 
 Assumptions: those of `waves`, `heave_response` and `ship`; (1) the sea changes little in one wave period
 (`margin_slow_sea`: the limit is a tenth of height, period or a radian of direction a wave period); (2) Froude number
 below 0.3 (`margin_froude`); (3) the line holds the ship at her centre.
 
-Sources: as in `waves`, `heave_response`, `ship`. The components are tables made once from fixed parameters, with
-integer arithmetic for the phases: for floats, not for tracing.
+Sources: as in `waves`, `heave_response`, `ship`. Tables of components follow from the parameters in `STRUCTURE`, which a native
+build fixes; the seed is free there too.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated, NamedTuple
 
 from ..heave import ship
-from ..numeric.ops import FLOATS, Ops, Value
+from ..numeric.ops import NEVER, Ops, Value
 from ..numeric.oscillator import acceleration, exact_oscillation
-from ..numeric.ramp import ramp, ramp_integral
+from ..numeric.ramp import ramp
 from ..protocol.model import Model, Requirement
 from ..protocol.variables import Rate, input_variable, margin, output, parameter
 from . import heave_response, waves
-from .changing_sea import Heave, Sea, changing_heave, doppler, steady_heave
+from .kernel import sea_kernel
 from .waves import GRAVITY
 
 SLOW = 0.1
 """Relative change a wave period at which a sea no longer changes slowly."""
 CALM = 0.1
 """Least height from which a period follows, m."""
+TURN = 2.0 * math.pi
+HEAVE = 2
+"""The signal of `motion`."""
+STRUCTURE = ("components", "peakedness", "spreading", "directions")
+"""Parameters from which the table of components is made."""
 
 
 @dataclass(frozen=True)
@@ -82,33 +87,22 @@ class HullAndWaves:
 class Parameters(ship.Oscillator, HullAndWaves):
     """Hull and waves first, then the oscillator of `ship`."""
 
-    @property
-    def hull(self) -> heave_response.Hull:
-        """Box of the hull."""
-        return heave_response.Hull(self.length, self.breadth * self.block_coefficient, self.draught, self.smith_oblique)
 
-    @cached_property
-    def sea(self) -> heave_response.Components:
-        """The components, made at first use."""
-        return heave_response.components(
-            round(self.components), round(self.seed), self.peakedness, round(self.spreading), round(self.directions)
-        )
+State = ship.State
 
 
-class State(NamedTuple):
-    """Response as in `ship`; P, C and D at the last look, rad, each with its rounding error; the time of the first look
-    and the number of the last; the sea that was left and the one that is approached; whether a step was done."""
+class Modes(NamedTuple):
+    """What was seen: whether there was a look yet; the time of the first look and the number of the last; the phase integrals
+    P, C and D, rad, at the time ``anchor`` since which nothing changed but by one look; the sea that was left and the one
+    that is approached."""
 
-    response: Value
-    response_rate: Value
-    peak_phase: Value
-    peak_phase_low: Value
-    doppler_cos: Value
-    doppler_cos_low: Value
-    doppler_sin: Value
-    doppler_sin_low: Value
+    begun: Value
     first_look: Value
     looks: Value
+    anchor: Value
+    peak_phase: Value
+    doppler_cos: Value
+    doppler_sin: Value
     old_height: Value
     old_frequency: Value
     old_direction: Value
@@ -117,11 +111,6 @@ class State(NamedTuple):
     new_frequency: Value
     new_direction: Value
     new_speed: Value
-    under_way: Value
-
-
-class Modes(NamedTuple):
-    """No branches."""
 
 
 class Inputs(NamedTuple):
@@ -165,136 +154,127 @@ class Outputs(NamedTuple):
 Calculated = ship.Calculated
 
 
-def sea_of(u: Inputs) -> Sea:
-    """The sea that the inputs describe."""
-    height = u.wave_height if u.wave_height > 0.0 else 0.0
-    frequency = waves.peak_frequency(height if height > CALM else CALM, u.wave_period)
-    return Sea(height, frequency, u.wave_direction, u.speed)
-
-
-def _seas(x: State) -> tuple[Sea, Sea]:
-    """The sea that was left, and the one that is approached."""
-    return (
-        Sea(x.old_height, x.old_frequency, x.old_direction, x.old_speed),
-        Sea(x.new_height, x.new_frequency, x.new_direction, x.new_speed),
-    )
-
-
-def free_motion(t: float, x: State, p: Parameters) -> Heave:
-    """Heave without the line, m, its rate and acceleration, and its variance, m2, without the ramp."""
-    old, new = _seas(x)
-    since, period = t - (x.first_look + x.looks * p.update_interval), p.update_interval
-    (c0, d0), (c1, d1) = doppler(old), doppler(new)
-    # how much of the new rates has come in since the last look, s
-    area = 0.0 if old == new else ramp_integral(since, period, FLOATS)
-    phases = (
-        x.peak_phase + (x.peak_phase_low + old.frequency * since + (new.frequency - old.frequency) * area),
-        x.doppler_cos + (x.doppler_cos_low + c0 * since + (c1 - c0) * area),
-        x.doppler_sin + (x.doppler_sin_low + d0 * since + (d1 - d0) * area),
-    )
-    if old == new:
-        return steady_heave(phases, old, p.sea, p.hull)
-    blending = ramp(min(1.0, max(0.0, since / period)) * period, period, FLOATS)
-    return changing_heave(phases, old, new, blending, p.sea, p.hull)
+def sea_of(u: Inputs, ops: Ops) -> tuple[Value, Value, Value, Value]:
+    """Height, peak frequency, direction and speed that the inputs describe."""
+    height = ops.maximum(u.wave_height, 0.0)
+    given = u.wave_period > 0.0
+    by_height = waves.steepest_frequency(ops.maximum(height, CALM), ops)
+    frequency = ops.where(given, TURN / ops.where(given, u.wave_period, 1.0), by_height)
+    return height, frequency, u.wave_direction, u.speed
 
 
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Enough directions for the spread (`waves`)."""
     text = "directions do not resolve cos^2s with s = spreading: give more than spreading + 2 directions"
-    enough = round(p.directions) - round(p.spreading) - 2
-    return ((enough if p.spreading >= 0.0 else 1.0, text),)
+    return ((ops.where(p.spreading >= 0.0, p.directions - p.spreading - 2.0, 1.0), text),)
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """At rest; the sea is looked at with the first inputs."""
-    return State(*(0.0,) * 11, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), Modes()
+    return State(0.0, 0.0), Modes(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+
+
+def next_event_time(t: Value, m: Modes, p: Parameters, ops: Ops) -> Value:
+    """The next look."""
+    return ops.where(m.begun > 0.5, m.first_look + (m.looks + 1.0) * p.update_interval, NEVER)
 
 
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
-    """Until the first step the sea at the start is what the inputs say."""
-    if x.under_way > 0.5:
-        return x, m
-    sea = sea_of(u)
-    return State(*x[:8], t, 0.0, *sea, *sea, 0.0), m
+    """A look that is due; at the start the sea is what the inputs say, however often they are set."""
+    height, frequency, direction, speed = sea_of(u, ops)
+    first = ops.where(m.begun > 0.5, ops.where(t > m.first_look, 0.0, 1.0), 1.0) > 0.5
+    due = ops.where(m.begun > 0.5, ops.where(t >= next_event_time(t, m, p, ops), 1.0, 0.0), 0.0) > 0.5
+    # nothing changed and nothing changes: the anchor stays, and no rounding is added
+    resting = _differ(m, m.new_height, m.new_frequency, m.new_direction, m.new_speed, ops) < 0.5
+    same = ops.where(resting, _differ(m, height, frequency, direction, speed, ops), 1.0) < 0.5
+    look = m.first_look + (m.looks + 1.0) * p.update_interval
+    left, half = look - m.anchor, 0.5 * p.update_interval
+    c0, d0 = _doppler(m.old_frequency, m.old_direction, m.old_speed, ops)
+    c1, d1 = _doppler(m.new_frequency, m.new_direction, m.new_speed, ops)
 
+    def carried(total: Value, before: Value, after: Value) -> Value:
+        return total + ops.where(resting, left * before, half * (before + after))
 
-def _carry(total: float, low: float, more: float) -> tuple[float, float]:
-    """total + low + ``more`` with the rounding error of the sum (T. J. Dekker's two-sum)."""
-    term = more + low
-    result = total + term
-    added = result - total
-    return result, (total - (result - added)) + (term - added)
+    def seen(held: Value, at_start: Value, moved: Value) -> Value:
+        """After no look, the first one, one that finds something else."""
+        return ops.where(first, at_start, ops.where(due, ops.where(same, held, moved), held))
 
-
-def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
-    """Exact step of the response, as `ship.advance`, and the looks that fall due within the step."""
-    z, z_rate = x.response, x.response_rate
-    z, z_rate = exact_oscillation(h, z, z_rate, cubics.reaction, p.mass, p.damping, p.stiffness, ops)
-    x = State(z, z_rate, *x[2:18], 1.0)
-    interval = p.update_interval
-    while True:
-        due = x.first_look + (x.looks + 1.0) * interval
-        if due > (t + h) * (1.0 + 4e-16):
-            return x
-        s = due - t
-        x = _looked(x, sea_of(Inputs(*(a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in cubics))), interval)
-
-
-def _looked(x: State, sea: Sea, interval: Value) -> State:
-    """The state after a look that finds ``sea``: phases at its time, and that sea the one to approach."""
-    old, new = _seas(x)
-    (c0, d0), (c1, d1) = doppler(old), doppler(new)
-    half = 0.5 * interval
-    return State(
-        x.response, x.response_rate,
-        *_carry(x.peak_phase, x.peak_phase_low, half * (old.frequency + new.frequency)),
-        *_carry(x.doppler_cos, x.doppler_cos_low, half * (c0 + c1)),
-        *_carry(x.doppler_sin, x.doppler_sin_low, half * (d0 + d1)),
-        x.first_look, x.looks + 1.0, *new, *sea, 1.0,
+    return x, Modes(
+        1.0, ops.where(first, t, m.first_look), ops.where(first, 0.0, ops.where(due, m.looks + 1.0, m.looks)),
+        seen(m.anchor, t, look),
+        seen(m.peak_phase, 0.0, carried(m.peak_phase, m.old_frequency, m.new_frequency)),
+        seen(m.doppler_cos, 0.0, carried(m.doppler_cos, c0, c1)),
+        seen(m.doppler_sin, 0.0, carried(m.doppler_sin, d0, d1)),
+        seen(m.old_height, height, m.new_height), seen(m.old_frequency, frequency, m.new_frequency),
+        seen(m.old_direction, direction, m.new_direction), seen(m.old_speed, speed, m.new_speed),
+        seen(m.new_height, height, height), seen(m.new_frequency, frequency, frequency),
+        seen(m.new_direction, direction, direction), seen(m.new_speed, speed, speed),
     )  # fmt: skip
+
+
+def _differ(m: Modes, height: Value, frequency: Value, direction: Value, speed: Value, ops: Ops) -> Value:
+    """Whether this is another sea than the one that was left, 1 or 0."""
+    off = ops.abs(height - m.old_height) + ops.abs(frequency - m.old_frequency)
+    return ops.where(off + ops.abs(direction - m.old_direction) + ops.abs(speed - m.old_speed) > 0.0, 1.0, 0.0)
+
+
+def _doppler(frequency: Value, direction: Value, speed: Value, ops: Ops) -> tuple[Value, Value]:
+    """C' and D', rad/s."""
+    scale = frequency * frequency * speed / GRAVITY
+    return scale * ops.cos(direction), scale * ops.sin(direction)
+
+
+derivatives, advance = ship.derivatives, ship.advance
+
+
+def free_motion(t: Value, m: Modes, p: Parameters, signal: int, ops: Ops) -> tuple[Value, ...]:
+    """A motion of `motion.SIGNALS` without the line and without the ramp, m or rad, its first three time derivatives, and its
+    variance, m2 or rad2."""
+    kernel = sea_kernel(p.components, p.peakedness, p.spreading, p.directions)
+    breadth = p.breadth * p.block_coefficient
+    return ops.kernel(
+        kernel, t, signal, *m[3:], p.update_interval, p.seed, p.length, breadth, p.draught, p.smith_oblique
+    )
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), a the significant amplitude of the free heave."""
-    value, rate, rate2, variance = free_motion(t, x, p)
+    value, rate, rate2, _, variance = free_motion(t, m, p, HEAVE, ops)
     r, r1, r2 = ramp(t, p.ramp_time, ops)
     free, free_rate = r * value, r * rate + r1 * value
     free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
     z, z_rate = x.response, x.response_rate
     z_rate2 = acceleration(z, z_rate, u.reaction, p.mass, p.damping, p.stiffness)
-    deviation = math.sqrt(variance)
+    deviation = ops.sqrt(variance)
     limit = 2.0 * p.sdof_tolerance * deviation
-    sdof = 1.0 - abs(z) / limit if limit > 0.0 else 1.0
-    speed = max(abs(x.old_speed), abs(x.new_speed))
-    froude = 1.0 - speed / math.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
+    sdof = ops.where(limit > 0.0, 1.0 - ops.abs(z) / ops.where(limit > 0.0, limit, 1.0), 1.0)
+    speed = ops.maximum(ops.abs(m.old_speed), ops.abs(m.new_speed))
+    froude = 1.0 - speed / ops.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
     return Outputs(
-        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(*_seas(x), p),
+        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(m, p, ops),
         free_rate + z_rate, free_rate2 + z_rate2, free_rate,
     )  # fmt: skip
 
 
-def _slow(old: Sea, new: Sea, p: Parameters) -> float:
+def _slow(m: Modes, p: Parameters, ops: Ops) -> Value:
     """1 - (relative change of height, of frequency, and of direction in rad, a peak period)/0.1, the worst of them."""
-    height, frequency = max(old.height, new.height), max(new.frequency, old.frequency)
-    change = max(
-        abs(new.height - old.height) / height if height > CALM else 0.0,
-        abs(new.frequency - old.frequency) / frequency,
-        2.0 * abs(math.sin(0.5 * (new.direction - old.direction))) if height > CALM else 0.0,
-    )
-    slow: float = 1.0 - change * 2.0 * math.pi / frequency / p.update_interval / SLOW
-    return slow
+    height, frequency = ops.maximum(m.old_height, m.new_height), ops.maximum(m.new_frequency, m.old_frequency)
+    waves_there = height > CALM
+    of_height = ops.where(waves_there, ops.abs(m.new_height - m.old_height) / ops.maximum(height, CALM), 0.0)
+    turn = ops.where(waves_there, 2.0 * ops.abs(ops.sin(0.5 * (m.new_direction - m.old_direction))), 0.0)
+    change = ops.maximum(ops.maximum(of_height, ops.abs(m.new_frequency - m.old_frequency) / frequency), turn)
+    return 1.0 - change * TURN / frequency / p.update_interval / SLOW
 
 
 def calculated(p: Parameters, ops: Ops) -> ship.Calculated:
     """Constants of the heave oscillator, as in `ship`."""
-    return ship.calculated(p, FLOATS)
+    return ship.calculated(p, ops)
 
 
 SHIP_IN_SEA = Model(
     "ship_in_sea",
     "Ship in an irregular sea: closed-form heave response, plus that of its oscillator to the line",
     Parameters, State, Modes, Inputs, Outputs, Calculated,
-    initial=initial, advance=advance, outputs=outputs, transition=transition, calculated=calculated,
-    requirements=requirements,
-    floats_only="its components are tables made from the seed in integer arithmetic, and their number is a parameter",
+    initial=initial, derivatives=derivatives, advance=advance, outputs=outputs, transition=transition,
+    next_event_time=next_event_time, calculated=calculated, requirements=requirements, structure=STRUCTURE,
 )  # fmt: skip

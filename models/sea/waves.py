@@ -31,6 +31,8 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
+from ..numeric.ops import FLOATS, Ops, Value
+
 GRAVITY = 9.80665
 PHILLIPS = 0.0081
 """Pierson's and Moskowitz's alpha."""
@@ -45,7 +47,12 @@ def peak_frequency(height: float, period: float = 0.0, gravity: float = GRAVITY)
     (4 alpha 4/5)^(1/4) sqrt(g/Hs) = 0.40124 sqrt(g/Hs)."""
     if period > 0.0:
         return 2.0 * math.pi / period
-    return math.sqrt(math.sqrt(3.2 * PHILLIPS) * gravity / height)
+    return float(steepest_frequency(height, FLOATS, gravity))
+
+
+def steepest_frequency(height: Value, ops: Ops, gravity: float = GRAVITY) -> Value:
+    """omega_p, rad/s, of a Pierson-Moskowitz sea of ``height``, m."""
+    return ops.sqrt(math.sqrt(3.2 * PHILLIPS) * gravity / height)
 
 
 def shape(x: float, gamma: float = 1.0) -> float:

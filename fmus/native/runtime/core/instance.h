@@ -23,8 +23,9 @@ struct Instance {
     double *values; /* all variables but states and their derivatives, which have their place unused */
     double *x, *m;  /* continuous state as stepped (reduced where reduced), modes */
     double *p, *c;  /* parameters in force (with integration_tolerance), constants */
-    double *k;      /* cubics of the inputs */
+    double *k, *later; /* cubics of the inputs over the step, and counted from an event inside it */
     Solver *solver;
+    void *memory; /* of kernels */
     char message[1024];
     /* work space */
     const double **arguments;
