@@ -142,7 +142,8 @@ def _all(kind: Any) -> tuple[Variable, ...]:
     if kind is None:
         return ()
     records = quantities(kind)
-    bare = [f for f in getattr(kind, "_fields", kind.__annotations__) if f not in records]
+    names = kind._fields if hasattr(kind, "_fields") else [f.name for f in fields(kind)]
+    bare = [name for name in names if name not in records]
     if bare:
         raise TypeError(f"{kind.__module__}.{kind.__qualname__}: {', '.join(bare)} has no record of unit and meaning")
     return tuple(named(name, quantity) for name, quantity in records.items())

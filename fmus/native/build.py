@@ -27,7 +27,7 @@ from ..python.reference import reference_run
 from ..python.values import CallError
 from . import compiler
 from .constants import constants_header
-from .kernels import constants_source, kernels_source
+from .kernels import sources as kernel_sources
 from .source import model_source, unit_source
 from .stages import runtime_stages
 from .trace import trace
@@ -44,7 +44,7 @@ def runtime_sources(fmi: int, kernels: Sequence[Kernel] = ()) -> dict[str, bytes
     files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name not in left_out)
     made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
     if kernels:
-        made |= {"sea_constants.h": constants_source().encode(), "kernels.c": kernels_source(kernels).encode()}
+        made |= kernel_sources(kernels)
     return {file.name: file.read_bytes() for file in files} | made
 
 

@@ -1,8 +1,8 @@
 """Kernels in traces: calls of C functions from traced functions (``models/numeric/kernel.py``, ``runtime/kernel``).
 
 A trace holds a kernel as a call of a stand-in, a CasADi function of its name that is not inlined; in the C text the stand-in's
-body becomes a call of the kernel. Its arguments are the time and what stays between events, so that only the time has a
-derivative: a result v with the rate v' is written v + v' (t - now), where now takes the value of t after differentiation.
+body becomes a call of the kernel. Its last argument is the kernel's number, its others are the time and what stays between events, so that
+only the time has a derivative: a result v with the rate v' is written v + v' (t - now), where now takes the value of t after differentiation.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from .c_text import number
 STAND_IN = "kernel"
 CONSTANTS = {
     "GRAVITY": GRAVITY, "RESONANCE": NEGLIGIBLE, "PI": 3.141592653589793, "ORDER": motion.ORDER, "REACH": motion.REACH,
-    "BLOCK": motion.BLOCK, "SIGNALS": motion.SIGNALS, "HEAVE": sea.HEAVES[0], "HEAVE_OF_POINT": sea.HEAVES[1],
+    "BLOCK": motion.BLOCK, "SIGNALS": motion.SIGNALS, "HEAVE": sea.HEAVE, "PITCH": sea.PITCH, "POINT": motion.POINT,
+    "BEYOND": sea.BEYOND,
 }  # fmt: skip
 """What kernels share with their Python text."""
 
@@ -43,8 +44,9 @@ class Kernels:
     def _call(self, kernel: Kernel, t: Any, *arguments: Any) -> tuple[Any, ...]:
         if kernel not in self.found:
             self.found.append(kernel)
-        raw = self._stand_in(self.found.index(kernel), len(arguments) + 1, len(kernel.rates))
-        results = raw.call([ca.vertcat(self.now, *arguments)], False, True)[0]
+        number = self.found.index(kernel)
+        raw = self._stand_in(number, len(arguments) + 2, len(kernel.rates))
+        results = raw.call([ca.vertcat(self.now, *arguments, number)], False, True)[0]
         values = tuple(results[k] for k in range(len(kernel.rates)))
         return tuple(value + slope * (t - self.now) for value, slope in zip(values, kernel.slopes(values)))
 
@@ -88,21 +90,29 @@ def kernels_source(kernels: Sequence[Kernel]) -> str:
     return f"""/* The kernels of the unit, with their tables. */
 #include <stdint.h>
 #include "kernel.h"
-#include "unit.h"
 
 {tables_source(kernels)}
 enum {{ COUNT = {len(kernels)} }};
 
+void *kernels_make(void);
+void kernels_drop(void *);
+int towage_kernel(int, const double *, double *, const long long *);
+
 void *kernels_make(void) {{ return kernels_memory(kernels, COUNT); }}
 void kernels_drop(void *memory) {{ kernels_free(memory, COUNT); }}
 
-int towage_kernel(int number, const double *argument, double *result, const Integer *iw)
+int towage_kernel(int number, const double *argument, double *result, const long long *iw)
 {{
     void **memory = (void **)(intptr_t)iw[0];
     kernels[number].call(kernels[number].table, argument, result, memory[number]);
     return 0;
 }}
 """
+
+
+def sources(kernels: Sequence[Kernel]) -> dict[str, bytes]:
+    """What the kernels need beside the files of ``runtime/kernel``, by name."""
+    return {"sea_constants.h": constants_source().encode(), "kernels.c": kernels_source(kernels).encode()}
 
 
 def _numbers(values: Iterable[float]) -> str:

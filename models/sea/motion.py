@@ -125,6 +125,8 @@ class Motion:
 
     def __call__(self, t: float, signal: int) -> tuple[float, float, float, float, float]:
         """The motion, its first three time derivatives, and its variance."""
+        if not any(self._squares(signal)):
+            return 0.0, 0.0, 0.0, 0.0, 0.0
         since = t - self.state.anchor
         n = math.floor(since / self.width)
         if not self.steady:

@@ -3,7 +3,7 @@
     x(t) = r(t) sum_i A_i(t) cos(phi_i(t)) + z(t),     m1 z'' + c1 z' + K1 z = -R(t)
     phi_i = x_i P - x_i^2 (cos(mu_i) C - sin(mu_i) D) + e_i
     P' = omega_p,   C' = omega_p^2 V cos(beta)/g,   D' = omega_p^2 V sin(beta)/g
-    A_i = RAO(x_i omega_p, V, beta + mu_i) sqrt(2 m0 w_i)
+    A_i = RAO(x_i omega_p, V, beta + mu_i) sqrt(2 m0 w_i)             closed form, or a table of responses
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -24,7 +24,7 @@ modes. The sums over the components are those of `motion`.
 
 Assumptions: those of `waves`, `heave_response` and `ship`; (1) the sea changes little in one wave period
 (`margin_slow_sea`: the limit is a tenth of height, period or a radian of direction a wave period); (2) Froude number
-below 0.3 (`margin_froude`); (3) the line holds the ship at her centre.
+below 0.3 (`margin_froude`); (3) the line's reaction moves the ship in heave alone, wherever the point is that holds it.
 
 Sources: as in `waves`, `heave_response`, `ship`. Tables of components follow from the parameters in `STRUCTURE`, which a native
 build fixes; the seed is free there too.
@@ -33,17 +33,20 @@ build fixes; the seed is free there too.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar, NamedTuple
 
 from ..heave import ship
 from ..numeric.ops import NEVER, Ops, Value
 from ..numeric.oscillator import acceleration, exact_oscillation
 from ..numeric.ramp import ramp
-from ..protocol.model import Model, Requirement
+from ..protocol.model import AnyModel, Model, Requirement
 from ..protocol.variables import Rate, input_variable, margin, output, parameter
 from . import heave_response, waves
-from .kernel import sea_kernel
+from .kernel import BEYOND, sea_kernel
+from .motion import POINT
+from .response_table import ResponseTable
+from .seas import SeaTable, Shape
 from .waves import GRAVITY
 
 SLOW = 0.1
@@ -51,9 +54,9 @@ SLOW = 0.1
 CALM = 0.1
 """Least height from which a period follows, m."""
 TURN = 2.0 * math.pi
-HEAVE = 2
-"""The signal of `motion`."""
-STRUCTURE = ("components", "peakedness", "spreading", "directions")
+BEYOND_SHARE, BEYOND_SPEED = 0.05, 0.5
+"""Where a table of responses ends: share of the wave energy beyond its frequencies, and m/s beyond its speeds."""
+STRUCTURE = Shape._fields
 """Parameters from which the table of components is made."""
 
 
@@ -77,15 +80,40 @@ class HullAndWaves:
         parameter("1", -1.0, "s of the directional distribution cos^2s; negative: long-crested", min=-1.0, max=40.0),
     ]
     directions: Annotated[Value, parameter("1", 8.0, "Number of wave directions, more than s + 2", min=1.0, max=48.0)]
+    order: Annotated[
+        Value, parameter("1", 1.0, "lambda of the peak after Ochi and Hubble; 1: Pierson-Moskowitz", min=0.3, max=20.0)
+    ]
+    second_share: Annotated[
+        Value, parameter("1", 0.0, "Share of the energy (of Hs squared) in a second peak", min=0.0, max=0.999)
+    ]
+    second_frequency: Annotated[
+        Value, parameter("1", 0.5, "Peak frequency of the second peak over that of the first", min=0.1, max=10.0)
+    ]
+    second_peakedness: Annotated[Value, parameter("1", 1.0, "gamma of the second peak", min=1.0, max=10.0)]
+    second_order: Annotated[Value, parameter("1", 1.0, "lambda of the second peak", min=0.3, max=20.0)]
+    second_direction: Annotated[
+        Value, parameter("rad", 0.0, "Direction of the second peak less that of the first", display="deg")
+    ]
     seed: Annotated[Value, parameter("1", 1964.0, "Seed of the phases, a whole number", min=0.0, max=9e15)]
     update_interval: Annotated[
         Value, parameter("s", 10.0, "Time between looks at the sea, which it then follows smoothly", min=1e-3)
     ]
+    point_x: Annotated[
+        Value, parameter("m", 0.0, "Point that holds the line, ahead of where the responses are given", display="ft")
+    ]
+    point_y: Annotated[
+        Value, parameter("m", 0.0, "To port; needs a table of responses, as the closed form has no roll", display="ft")
+    ]
+    point_z: Annotated[Value, parameter("m", 0.0, "Up", display="ft")]
 
 
 @dataclass(frozen=True)
 class Parameters(ship.Oscillator, HullAndWaves):
-    """Hull and waves first, then the oscillator of `ship`."""
+    """Hull and waves first, then the oscillator of `ship`. A unit that was given files has a table of ``responses`` in place of
+    the closed form, a measured ``spectrum`` in place of peaks."""
+
+    responses: ClassVar[ResponseTable | None] = None
+    spectrum: ClassVar[SeaTable | None] = None
 
 
 State = ship.State
@@ -131,7 +159,8 @@ class Inputs(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """As in `ship`; ``significant_heave`` is four times the standard deviation of the heave without the line."""
+    """As in `ship`; ``significant_heave`` is four times the standard deviation of the heave without the line. Surge and sway are
+    those of the point that holds the line; axes and signs: `response_table`."""
 
     heave: ship.Heave
     velocity: ship.Velocity
@@ -139,6 +168,13 @@ class Outputs(NamedTuple):
     significant_heave: Annotated[
         Value, output("m", "Significant heave (double amplitude) without the line", display="ft")
     ]
+    surge: Annotated[Value, output("m", "Surge of the point, ahead; 0 without a table of responses", display="ft")]
+    sway: Annotated[Value, output("m", "Sway of the point, to port; 0 without a table of responses", display="ft")]
+    surge_velocity: Annotated[Value, output("m/s", "Surge velocity of the point, ahead", display="ft/s")]
+    sway_velocity: Annotated[Value, output("m/s", "Sway velocity of the point, to port", display="ft/s")]
+    roll: Annotated[Value, output("rad", "Roll, starboard down; 0 without a table of responses", display="deg")]
+    pitch: Annotated[Value, output("rad", "Pitch, bow down", display="deg")]
+    yaw: Annotated[Value, output("rad", "Yaw, bow to port; 0 without a table of responses", display="deg")]
     margin_sdof: Annotated[
         Value, margin("1 - |z| / (sdof_tolerance a), z the response to the line and a the significant amplitude")
     ]
@@ -146,9 +182,21 @@ class Outputs(NamedTuple):
     margin_slow_sea: Annotated[
         Value, margin("1 - change of the sea a wave period / 0.1, the worst of height, frequency and direction")
     ]
+    margin_response: Annotated[
+        Value,
+        margin("1 - share of the wave energy beyond the frequencies of the table of responses / 5 %, or 1 - speed beyond its "
+               "speeds / 0.5 m/s, the worse; 1 without a table"),
+    ]
     heave_rate: Rate
     velocity_rate: Rate
     free_heave_rate: Rate
+    surge_rate: Rate
+    sway_rate: Rate
+    surge_velocity_rate: Rate
+    sway_velocity_rate: Rate
+    roll_rate: Rate
+    pitch_rate: Rate
+    yaw_rate: Rate
 
 
 Calculated = ship.Calculated
@@ -166,7 +214,11 @@ def sea_of(u: Inputs, ops: Ops) -> tuple[Value, Value, Value, Value]:
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Enough directions for the spread (`waves`)."""
     text = "directions do not resolve cos^2s with s = spreading: give more than spreading + 2 directions"
-    return ((ops.where(p.spreading >= 0.0, p.directions - p.spreading - 2.0, 1.0), text),)
+    held = "point_y: the closed form has no roll, so that a point off the centre line needs a file of responses"
+    return (
+        (ops.where(p.spreading >= 0.0, p.directions - p.spreading - 2.0, 1.0), text),
+        (1.0 if p.responses else ops.where(ops.abs(p.point_y) > 0.0, -1.0, 1.0), held),
+    )
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
@@ -230,19 +282,24 @@ derivatives, advance = ship.derivatives, ship.advance
 def free_motion(t: Value, m: Modes, p: Parameters, signal: int, ops: Ops) -> tuple[Value, ...]:
     """A motion of `motion.SIGNALS` without the line and without the ramp, m or rad, its first three time derivatives, and its
     variance, m2 or rad2."""
-    kernel = sea_kernel(p.components, p.peakedness, p.spreading, p.directions)
-    breadth = p.breadth * p.block_coefficient
+    shape = Shape(
+        p.components, p.peakedness, p.spreading, p.directions, p.order, p.second_share, p.second_frequency,
+        p.second_peakedness, p.second_order, p.second_direction,
+    )  # fmt: skip
     return ops.kernel(
-        kernel, t, signal, *m[3:], p.update_interval, p.seed, p.length, breadth, p.draught, p.smith_oblique
-    )
+        sea_kernel(shape, p.responses, p.spectrum), t, signal, *m[3:], p.update_interval, p.seed, p.length,
+        p.breadth * p.block_coefficient, p.draught, p.smith_oblique, p.point_x, p.point_y, p.point_z,
+    )  # fmt: skip
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), a the significant amplitude of the free heave."""
-    value, rate, rate2, _, variance = free_motion(t, m, p, HEAVE, ops)
-    r, r1, r2 = ramp(t, p.ramp_time, ops)
-    free, free_rate = r * value, r * rate + r1 * value
-    free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
+    (free, free_rate, free_rate2), variance = _free(t, m, p, POINT + 2, ops)
+    (surge, surge_rate, surge_rate2), _ = _free(t, m, p, POINT, ops)
+    (sway, sway_rate, sway_rate2), _ = _free(t, m, p, POINT + 1, ops)
+    (roll, roll_rate, _), _ = _free(t, m, p, 3, ops)
+    (pitch, pitch_rate, _), _ = _free(t, m, p, 4, ops)
+    (yaw, yaw_rate, _), _ = _free(t, m, p, 5, ops)
     z, z_rate = x.response, x.response_rate
     z_rate2 = acceleration(z, z_rate, u.reaction, p.mass, p.damping, p.stiffness)
     deviation = ops.sqrt(variance)
@@ -251,9 +308,29 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     speed = ops.maximum(ops.abs(m.old_speed), ops.abs(m.new_speed))
     froude = 1.0 - speed / ops.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
     return Outputs(
-        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(m, p, ops),
-        free_rate + z_rate, free_rate2 + z_rate2, free_rate,
+        free + z, free_rate + z_rate, free, 4.0 * deviation, surge, sway, surge_rate, sway_rate, roll, pitch, yaw,
+        sdof, froude, _slow(m, p, ops), _covered(t, m, p, speed, ops),
+        free_rate + z_rate, free_rate2 + z_rate2, free_rate, surge_rate, sway_rate, surge_rate2, sway_rate2,
+        roll_rate, pitch_rate, yaw_rate,
     )  # fmt: skip
+
+
+def _free(t: Value, m: Modes, p: Parameters, signal: int, ops: Ops) -> tuple[tuple[Value, Value, Value], Value]:
+    """A motion without the line, its rate and acceleration; its variance without the ramp."""
+    value, rate, rate2, _, variance = free_motion(t, m, p, signal, ops)
+    r, r1, r2 = ramp(t, p.ramp_time, ops)
+    return (r * value, r * rate + r1 * value, r * rate2 + 2.0 * r1 * rate + r2 * value), variance
+
+
+def _covered(t: Value, m: Modes, p: Parameters, speed: Value, ops: Ops) -> Value:
+    """How far the table of responses reaches."""
+    if p.responses is None:
+        return 1.0
+    share = free_motion(t, m, p, BEYOND, ops)[0]
+    slowest, fastest = p.responses.speeds[0], p.responses.speeds[-1]
+    lowest, highest = ops.minimum(m.old_speed, m.new_speed), ops.maximum(m.old_speed, m.new_speed)
+    off = ops.maximum(0.0, ops.maximum(slowest - lowest, highest - fastest))
+    return ops.minimum(1.0 - share / BEYOND_SHARE, 1.0 - off / BEYOND_SPEED)
 
 
 def _slow(m: Modes, p: Parameters, ops: Ops) -> Value:
@@ -271,9 +348,15 @@ def calculated(p: Parameters, ops: Ops) -> ship.Calculated:
     return ship.calculated(p, ops)
 
 
+def given(responses: ResponseTable | None = None, spectrum: SeaTable | None = None) -> AnyModel:
+    """The model with what files say."""
+    kind = type("Given", (Parameters,), {"responses": responses, "spectrum": spectrum, "__annotations__": {}})
+    return replace(SHIP_IN_SEA, Parameters=dataclass(frozen=True)(kind))
+
+
 SHIP_IN_SEA = Model(
     "ship_in_sea",
-    "Ship in an irregular sea: closed-form heave response, plus that of its oscillator to the line",
+    "Ship in an irregular sea: heave by a closed form or six motions by a table, plus the response to the line",
     Parameters, State, Modes, Inputs, Outputs, Calculated,
     initial=initial, derivatives=derivatives, advance=advance, outputs=outputs, transition=transition,
     next_event_time=next_event_time, calculated=calculated, requirements=requirements, structure=STRUCTURE,

@@ -8,7 +8,7 @@
 #include "sea_constants.h"
 #include "sea_response.h"
 
-enum { SLOTS = 4, KEYS = 18, LISTS = 7 }; /* windows kept; arguments but time and signal; arrays of n numbers */
+enum { SLOTS = 4, KEYS = 21, LISTS = 7 }; /* windows kept; arguments but time and signal; arrays of n numbers */
 
 typedef struct {
     double key[KEYS]; /* the arguments for which the rest was made */
@@ -17,7 +17,8 @@ typedef struct {
     int64_t windows, at; /* of the phasors: the window at whose start they are */
     double anchor, integral[3], interval, doppler[2][2];
     SeaState sea[2];
-    SeaHull hull;
+    SeaShip ship;
+    double beyond;
     SeaComponents components;
     double place[ORDER], transform[ORDER][ORDER];
     double *phase, *rate[2], *phasor, *turn;
@@ -25,7 +26,7 @@ typedef struct {
     bool amplified[SIGNALS], product[SIGNALS];
     double square[SIGNALS][3];
     int64_t window[SIGNALS][SLOTS];
-    double series[SIGNALS][SLOTS][4][ORDER];
+    double series[SIGNALS][SLOTS][ORDER][4]; /* of the motion and its first three derivatives */
 } Motion;
 
 size_t kernel_sea_size(const double *table)
@@ -38,7 +39,9 @@ static void place_lists(Motion *m, const double *table)
 {
     const size_t n = (size_t)table[0];
     double *next = (double *)(m + 1);
-    m->components = (SeaComponents){(int)n, table + 1, table + 1 + n, table + 1 + 2 * n, table + 1 + 3 * n};
+    m->components = (SeaComponents){(int)n, table + 2, table + 2 + n, table + 2 + 2 * n, table + 2 + 3 * n};
+    m->ship.by_table = table[1] > 0.5;
+    if (m->ship.by_table) m->ship.table = sea_table(table + 2 + 4 * n);
     m->phase = next;
     m->rate[0] = next + n;
     m->rate[1] = next + 2 * n;
@@ -107,7 +110,13 @@ static void make(Motion *m, const double *table, const double *a)
     m->sea[1] = (SeaState){a[8], a[9], a[10], a[11]};
     m->steady = a[4] == a[8] && a[5] == a[9] && a[6] == a[10] && a[7] == a[11];
     m->interval = a[12];
-    m->hull = (SeaHull){a[14], a[15], a[16], a[17]};
+    m->ship.length = a[14];
+    m->ship.breadth = a[15];
+    m->ship.draught = a[16];
+    m->ship.smith_oblique = a[17];
+    memcpy(m->ship.point, a + 18, sizeof m->ship.point);
+    m->beyond = fmax(sea_share_beyond(&m->sea[0], &m->components, &m->ship),
+                     sea_share_beyond(&m->sea[1], &m->components, &m->ship));
     draw_phases(a[13], m->components.count, m->phase);
     make_rates(m);
     m->at = INT64_MIN;
@@ -122,7 +131,7 @@ static void amplify(Motion *m, int signal)
 {
     double **a = m->amplitude[signal], *square = m->square[signal];
     if (m->amplified[signal]) return;
-    for (int k = 0; k < 2; k++) sea_amplitudes(signal, &m->sea[k], &m->components, &m->hull, a[k]);
+    for (int k = 0; k < 2; k++) sea_amplitudes(signal, &m->sea[k], &m->components, &m->ship, a[k]);
     memset(square, 0, sizeof m->square[signal]);
     for (int i = 0; i < 2 * m->components.count; i++) {
         square[0] += 0.5 * a[0][i] * a[0][i];
@@ -184,7 +193,7 @@ static void make_products(Motion *m, int signal)
     m->product[signal] = true;
 }
 
-static void steady(Motion *m, int signal, int64_t n, double (*series)[ORDER])
+static void steady(Motion *m, int signal, int64_t n, double (*series)[4])
 {
     if (!m->product[signal]) make_products(m, signal);
     to_window(m, n);
@@ -195,13 +204,13 @@ static void steady(Motion *m, int signal, int64_t n, double (*series)[ORDER])
             const double re = m->phasor[2 * i], im = m->phasor[2 * i + 1];
             for (int l = 0; l < ORDER; l++) sum[l] += from[l] * re - from[ORDER + l] * im;
         }
-        memcpy(series[2 * k], sum, sizeof sum);
+        for (int l = 0; l < ORDER; l++) series[l][2 * k] = sum[l];
     }
 }
 
-static void changing(Motion *m, int signal, int64_t n, double (*series)[ORDER])
+static void changing(Motion *m, int signal, int64_t n, double (*series)[4])
 {
-    memset(series, 0, 4 * sizeof *series);
+    memset(series, 0, ORDER * sizeof *series);
     for (int j = 0; j < ORDER; j++) {
         const double since = ((double)n + m->place[j]) * m->width, s = since / m->interval, rest = 1.0 - s;
         const double r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), area = m->interval * s * s * s * s * (2.5 - 3.0 * s + s * s);
@@ -220,35 +229,39 @@ static void changing(Motion *m, int signal, int64_t n, double (*series)[ORDER])
             second += bre * c - bim * sine;
         }
         for (int l = 0; l < ORDER; l++) {
-            series[0][l] += m->transform[l][j] * value;
-            series[2][l] += m->transform[l][j] * second;
+            series[l][0] += m->transform[l][j] * value;
+            series[l][2] += m->transform[l][j] * second;
         }
     }
 }
 
-/* Coefficients of the derivative of a series in 2 s/W - 1. */
-static void derive(const double *c, double scale, double *d)
+/* Coefficients of the derivatives, behind those of what is derived: series in 2 s/W - 1. */
+static void derive(double (*c)[4], double scale)
 {
-    double above = 0.0, last = 0.0; /* d[k + 1], d[k] */
-    d[ORDER - 1] = 0.0;
-    for (int k = ORDER - 1; k > 0; k--) {
-        const double next = above + 2.0 * k * scale * c[k];
-        above = last;
-        last = next;
-        d[k - 1] = next;
+    for (int s = 0; s < 4; s += 2) {
+        double above = 0.0, last = 0.0; /* those of k + 1 and k */
+        c[ORDER - 1][s + 1] = 0.0;
+        for (int k = ORDER - 1; k > 0; k--) {
+            const double next = above + 2.0 * k * scale * c[k][s];
+            above = last;
+            last = next;
+            c[k - 1][s + 1] = next;
+        }
+        c[0][s + 1] *= 0.5;
     }
-    d[0] *= 0.5;
 }
 
-static double value_of(const double *c, double tau)
+/* Values of four series at once, which a compiler takes for one vector. */
+static void values_of(const double (*c)[4], double tau, double *value)
 {
-    double b1 = 0.0, b2 = 0.0;
-    for (int k = ORDER - 1; k > 0; k--) {
-        const double b = 2.0 * tau * b1 - b2 + c[k];
-        b2 = b1;
-        b1 = b;
-    }
-    return tau * b1 - b2 + c[0];
+    double b1[4] = {0.0}, b2[4] = {0.0};
+    for (int k = ORDER - 1; k > 0; k--)
+        for (int s = 0; s < 4; s++) {
+            const double b = 2.0 * tau * b1[s] - b2[s] + c[k][s];
+            b2[s] = b1[s];
+            b1[s] = b;
+        }
+    for (int s = 0; s < 4; s++) value[s] = tau * b1[s] - b2[s] + c[0][s];
 }
 
 void kernel_sea(const double *table, const double *argument, double *result, void *memory)
@@ -256,22 +269,24 @@ void kernel_sea(const double *table, const double *argument, double *result, voi
     Motion *m = memory;
     const int signal = (int)argument[1];
     if (!m->known || memcmp(m->key, argument + 2, sizeof m->key)) make(m, table, argument + 2);
+    for (int k = 0; k < 5; k++) result[k] = signal == BEYOND && k == 0 ? m->beyond : 0.0;
+    if (signal == BEYOND) return;
     amplify(m, signal);
+    if (m->square[signal][0] == 0.0 && m->square[signal][2] == 0.0) return; /* does not move */
     const double since = argument[0] - m->anchor, place = floor(since / m->width);
     for (int k = 0; k < 5; k++) result[k] = NAN;
     if (!(fabs(place) < 1e15)) return;
     int64_t n = (int64_t)place;
     if (!m->steady) n = n < 0 ? 0 : n > m->windows - 1 ? m->windows - 1 : n;
     const int slot = (int)((n % SLOTS + SLOTS) % SLOTS);
-    double(*series)[ORDER] = m->series[signal][slot];
+    double(*series)[4] = m->series[signal][slot];
     if (m->window[signal][slot] != n) {
         (m->steady ? steady : changing)(m, signal, n, series);
-        derive(series[0], 2.0 / m->width, series[1]);
-        derive(series[2], 2.0 / m->width, series[3]);
+        derive(series, 2.0 / m->width);
         m->window[signal][slot] = n;
     }
     const double tau = 2.0 * (since - (double)n * m->width) / m->width - 1.0;
-    for (int k = 0; k < 4; k++) result[k] = value_of(series[k], tau);
+    values_of((const double(*)[4])series, tau, result);
     const double s = fmin(1.0, fmax(0.0, since / m->interval)), r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
     const double *square = m->square[signal];
     result[4] = m->steady ? square[0]

@@ -1,6 +1,10 @@
-/* Amplitudes of a ship's motions to the components of a sea: models/sea/heave_response.py in C. */
+/* Amplitudes of a ship's motions to the components of a sea: models/sea/kernel.py and heave_response.py in C. */
 #ifndef TOWAGE_SEA_RESPONSE_H
 #define TOWAGE_SEA_RESPONSE_H
+
+#include <stdbool.h>
+
+#include "sea_table.h"
 
 /* Significant height, m, peak frequency, rad/s, direction, rad, speed, m/s. */
 typedef struct {
@@ -13,12 +17,17 @@ typedef struct {
     const double *x, *amplitude, *cos, *sin;
 } SeaComponents;
 
-/* Length, breadth times block coefficient, draught, m; whether the Smith factor is oblique. */
+/* What answers: a table of responses, or the box of a hull (length, breadth times block coefficient, draught, m; whether the
+ * Smith factor is oblique); the point, m ahead, to port and up. */
 typedef struct {
-    double length, breadth, draught, smith_oblique;
-} SeaHull;
+    bool by_table;
+    SeaTable table;
+    double length, breadth, draught, smith_oblique, point[3];
+} SeaShip;
 
 /* Complex amplitudes of a motion, real and imaginary part in turn. */
-void sea_amplitudes(int signal, const SeaState *, const SeaComponents *, const SeaHull *, double *amplitude);
+void sea_amplitudes(int signal, const SeaState *, const SeaComponents *, const SeaShip *, double *amplitude);
+/* Share of the wave energy at frequencies that the table lacks. */
+double sea_share_beyond(const SeaState *, const SeaComponents *, const SeaShip *);
 
 #endif
