@@ -24,7 +24,8 @@ modes. The sums over the components are those of `motion`.
 
 Assumptions: those of `waves`, `heave_response` and `ship`; (1) the sea changes little in one wave period
 (`margin_slow_sea`: the limit is a tenth of height, period or a radian of direction a wave period); (2) Froude number
-below 0.3 (`margin_froude`); (3) the line's reaction moves the ship in heave alone, wherever the point is that holds it.
+below 0.3 (`margin_froude`); (2a) waves long against draught and length, or a table of responses that holds the sea
+(`margin_strip`, `margin_response`); (3) the line's reaction moves the ship in heave alone, wherever the point is that holds it.
 
 Sources: as in `waves`, `heave_response`, `ship`. Tables of components follow from the parameters in `STRUCTURE`, which a native
 build fixes; the seed is free there too.
@@ -54,6 +55,9 @@ SLOW = 0.1
 CALM = 0.1
 """Least height from which a period follows, m."""
 TURN = 2.0 * math.pi
+LEAST_DRAUGHTS, LEAST_LENGTHS = 28.0, 1.65
+"""Length of the waves at the peak, in draughts, and in ship lengths along the ship, above which the closed form's heave is within
+20 % of that of panels: regular waves and seas, three hulls, three headings (``benchmarks/strip_theory.py``)."""
 BEYOND_SHARE, BEYOND_SPEED = 0.05, 0.5
 """Where a table of responses ends: share of the wave energy beyond its frequencies, and m/s beyond its speeds."""
 STRUCTURE = Shape._fields
@@ -182,6 +186,11 @@ class Outputs(NamedTuple):
     margin_slow_sea: Annotated[
         Value, margin("1 - change of the sea a wave period / 0.1, the worst of height, frequency and direction")
     ]
+    margin_strip: Annotated[
+        Value,
+        margin("1 - max(28 T, 1.65 L |cos beta|) / wave length at the peak: beyond, the closed form errs by 20 % against panels; "
+               "1 with a table of responses"),
+    ]
     margin_response: Annotated[
         Value,
         margin("1 - share of the wave energy beyond the frequencies of the table of responses / 5 %, or 1 - speed beyond its "
@@ -309,7 +318,7 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     froude = 1.0 - speed / ops.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
     return Outputs(
         free + z, free_rate + z_rate, free, 4.0 * deviation, surge, sway, surge_rate, sway_rate, roll, pitch, yaw,
-        sdof, froude, _slow(m, p, ops), _covered(t, m, p, speed, ops),
+        sdof, froude, _slow(m, p, ops), _strip(m, p, ops), _covered(t, m, p, speed, ops),
         free_rate + z_rate, free_rate2 + z_rate2, free_rate, surge_rate, sway_rate, surge_rate2, sway_rate2,
         roll_rate, pitch_rate, yaw_rate,
     )  # fmt: skip
@@ -320,6 +329,20 @@ def _free(t: Value, m: Modes, p: Parameters, signal: int, ops: Ops) -> tuple[tup
     value, rate, rate2, _, variance = free_motion(t, m, p, signal, ops)
     r, r1, r2 = ramp(t, p.ramp_time, ops)
     return (r * value, r * rate + r1 * value, r * rate2 + 2.0 * r1 * rate + r2 * value), variance
+
+
+def _strip(m: Modes, p: Parameters, ops: Ops) -> Value:
+    """How far the closed form is to be trusted, in the worse of both seas; 1 in a calm."""
+    if p.responses is not None:
+        return 1.0
+    worst: Value = 1.0
+    for height, frequency, direction in (
+        (m.old_height, m.old_frequency, m.old_direction), (m.new_height, m.new_frequency, m.new_direction)
+    ):  # fmt: skip
+        least = ops.maximum(LEAST_DRAUGHTS * p.draught, LEAST_LENGTHS * p.length * ops.abs(ops.cos(direction)))
+        margin = 1.0 - least * frequency * frequency / (TURN * GRAVITY)
+        worst = ops.minimum(worst, ops.where(height > CALM, margin, 1.0))
+    return worst
 
 
 def _covered(t: Value, m: Modes, p: Parameters, speed: Value, ops: Ops) -> Value:

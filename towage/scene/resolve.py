@@ -14,8 +14,9 @@ from typing import NamedTuple
 import msgspec
 from msgspec.structs import replace
 
+from towage.data.given import Given, given
 from towage.errors import SceneError, TowageError
-from towage.registry import SCHEMES
+from towage.registry import SCHEMES, UNITS
 from towage.scene.inputs import check_constants, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
@@ -108,9 +109,30 @@ def warned(scene: Scene, locate: Locate) -> tuple[str, ...]:
 
 def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
     """What the FMUs of a scene's units say of themselves, each file read once. Raises what `described` raises."""
-    paths = {name: _path(scene, name, entry.fmu, locate) for name, entry in scene.units.items()}
+    data = {name: carried(scene, name) for name in scene.units}
+    paths = {
+        name: each.python() if (each := data[name]) else _path(scene, name, entry.fmu, locate)
+        for name, entry in scene.units.items()
+    }
     read = {path: read_description(path) for path in dict.fromkeys(paths.values())}
-    return {name: read[path] for name, path in paths.items()}
+    return {
+        name: replace(read[path], warnings=(*read[path].warnings, *each.notes)) if (each := data[name]) else read[path]
+        for name, path in paths.items()
+    }
+
+
+def carried(scene: Scene, name: str) -> Given | None:
+    """What the unit ``name`` of a scene is to carry, None for nothing. Raises `SceneError`."""
+    entry = scene.units[name]
+    if not entry.files:
+        return None
+    if entry.fmu not in UNITS.own:
+        raise scene.error(f"{entry.fmu} is no shipped unit: only these take files", f"units.{name}.files")
+
+    def fail(message: str, kind: str) -> SceneError:
+        return scene.error(message, f"units.{name}.files.{kind}")
+
+    return given(entry.fmu, entry.files, scene.file.parent if scene.file else Path(), fail)
 
 
 def _path(scene: Scene, name: str, fmu: str, locate: Locate) -> Path:
