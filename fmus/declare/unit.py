@@ -71,7 +71,7 @@ class Unit:
     `dependencies` finds them. ``terminals``: the places where the unit is joined to another; the variables of each by what
     they are there (`force`, `displacement`, `velocity_surge`), which has one name on both sides.
     ``files``: kinds of file that a scene may give to the unit, with what they hold; ``given`` makes the unit that carries what was
-    read from some of them, by kind.
+    read from some of them, by kind; ``needs_files``: it means nothing without.
     """
 
     name: str
@@ -88,6 +88,7 @@ class Unit:
     terminals: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
     given: Callable[[Mapping[str, Any]], Unit] | None = None
+    needs_files: bool = False
 
     @classmethod
     def of(

@@ -125,6 +125,9 @@ def carried(scene: Scene, name: str) -> Given | None:
     """What the unit ``name`` of a scene is to carry, None for nothing. Raises `SceneError`."""
     entry = scene.units[name]
     if not entry.files:
+        if entry.fmu in UNITS.own and UNITS.get(entry.fmu).needs_files:
+            kinds = ", ".join(f"{kind} ({what})" for kind, what in UNITS.get(entry.fmu).files.items())
+            raise scene.error(f"{entry.fmu} means nothing without a file: give it {kinds}", f"units.{name}.files")
         return None
     if entry.fmu not in UNITS.own:
         raise scene.error(f"{entry.fmu} is no shipped unit: only these take files", f"units.{name}.files")

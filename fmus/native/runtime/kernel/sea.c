@@ -145,7 +145,8 @@ static double phase_at(const Motion *m, int i, double since, double area)
 {
     const SeaComponents *c = &m->components;
     const double x = c->x[i];
-    const double p = m->integral[0] + (m->sea[0].frequency * since + (m->sea[1].frequency - m->sea[0].frequency) * area);
+    const double p =
+        m->integral[0] + (m->sea[0].frequency * since + (m->sea[1].frequency - m->sea[0].frequency) * area);
     const double along = m->integral[1] + (m->doppler[0][0] * since + (m->doppler[1][0] - m->doppler[0][0]) * area);
     const double across = m->integral[2] + (m->doppler[0][1] * since + (m->doppler[1][1] - m->doppler[0][1]) * area);
     return x * (p - x * (c->cos[i] * along - c->sin[i] * across)) + m->phase[i];
@@ -213,7 +214,8 @@ static void changing(Motion *m, int signal, int64_t n, double (*series)[4])
     memset(series, 0, ORDER * sizeof *series);
     for (int j = 0; j < ORDER; j++) {
         const double since = ((double)n + m->place[j]) * m->width, s = since / m->interval, rest = 1.0 - s;
-        const double r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), area = m->interval * s * s * s * s * (2.5 - 3.0 * s + s * s);
+        const double r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s),
+                     area = m->interval * s * s * s * s * (2.5 - 3.0 * s + s * s);
         const double r1 = 30.0 * s * s * rest * rest / m->interval;
         const double r2 = 60.0 * s * rest * (1.0 - 2.0 * s) / m->interval / m->interval;
         double value = 0.0, second = 0.0;
@@ -279,16 +281,16 @@ void kernel_sea(const double *table, const double *argument, double *result, voi
     int64_t n = (int64_t)place;
     if (!m->steady) n = n < 0 ? 0 : n > m->windows - 1 ? m->windows - 1 : n;
     const int slot = (int)((n % SLOTS + SLOTS) % SLOTS);
-    double(*series)[4] = m->series[signal][slot];
+    double (*series)[4] = m->series[signal][slot];
     if (m->window[signal][slot] != n) {
         (m->steady ? steady : changing)(m, signal, n, series);
         derive(series, 2.0 / m->width);
         m->window[signal][slot] = n;
     }
     const double tau = 2.0 * (since - (double)n * m->width) / m->width - 1.0;
-    values_of((const double(*)[4])series, tau, result);
+    values_of((const double (*)[4])series, tau, result);
     const double s = fmin(1.0, fmax(0.0, since / m->interval)), r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
     const double *square = m->square[signal];
-    result[4] = m->steady ? square[0]
-                          : (1.0 - r) * (1.0 - r) * square[0] + 2.0 * (1.0 - r) * r * square[1] + r * r * square[2];
+    result[4] =
+        m->steady ? square[0] : (1.0 - r) * (1.0 - r) * square[0] + 2.0 * (1.0 - r) * r * square[1] + r * r * square[2];
 }

@@ -17,8 +17,8 @@ typedef struct {
     const double *x, *amplitude, *cos, *sin;
 } SeaComponents;
 
-/* What answers: a table of responses, or the box of a hull (length, breadth times block coefficient, draught, m; whether the
- * Smith factor is oblique); the point, m ahead, to port and up. */
+/* What answers: a table of responses, or the box of a hull (length, breadth times block coefficient, draught, m;
+ * whether the Smith factor is oblique); the point, m ahead, to port and up. */
 typedef struct {
     bool by_table;
     SeaTable table;
