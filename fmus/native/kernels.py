@@ -16,6 +16,7 @@ import casadi as ca
 
 from ...models.numeric.kernel import Kernel
 from ...models.numeric.ops import NEGLIGIBLE, Ops
+from ...models.route import playback
 from ...models.sea import kernel as sea
 from ...models.sea import motion
 from ...models.sea.waves import GRAVITY
@@ -25,7 +26,7 @@ STAND_IN = "kernel"
 CONSTANTS = {
     "GRAVITY": GRAVITY, "RESONANCE": NEGLIGIBLE, "PI": 3.141592653589793, "ORDER": motion.ORDER, "REACH": motion.REACH,
     "BLOCK": motion.BLOCK, "SIGNALS": motion.SIGNALS, "HEAVE": sea.HEAVE, "PITCH": sea.PITCH, "POINT": motion.POINT,
-    "BEYOND": sea.BEYOND,
+    "BEYOND": sea.BEYOND, "SLACK": playback.SLACK,
 }  # fmt: skip
 """What kernels share with their Python text."""
 
@@ -71,9 +72,9 @@ def called(text: str) -> str:
 
 
 def constants_source() -> str:
-    """``sea_constants.h``."""
+    """``kernel_constants.h``."""
     lines = (f"#define {name} {value!r}" for name, value in CONSTANTS.items())
-    return "/* Made from models/sea. */\n#ifndef TOWAGE_SEA_CONSTANTS_H\n#define TOWAGE_SEA_CONSTANTS_H\n\n" + "\n".join(
+    return "/* Made from models/sea and models/route/playback.py. */\n#ifndef TOWAGE_KERNEL_CONSTANTS_H\n#define TOWAGE_KERNEL_CONSTANTS_H\n\n" + "\n".join(
         [*lines, "", "#endif", ""]
     )
 
@@ -112,7 +113,7 @@ int towage_kernel(int number, const double *argument, double *result, const long
 
 def sources(kernels: Sequence[Kernel]) -> dict[str, bytes]:
     """What the kernels need beside the files of ``runtime/kernel``, by name."""
-    return {"sea_constants.h": constants_source().encode(), "kernels.c": kernels_source(kernels).encode()}
+    return {"kernel_constants.h": constants_source().encode(), "kernels.c": kernels_source(kernels).encode()}
 
 
 def _numbers(values: Iterable[float]) -> str:

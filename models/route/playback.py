@@ -34,6 +34,8 @@ from ..protocol.variables import Rate, output, parameter
 REFUSED, HELD, REPEATED = 0.0, 1.0, 2.0
 """Values of ``beyond``."""
 RATES = (1, 2, -1)
+SLACK = 1e-9
+"""How far beyond its rows a file is still at its end, relative to 1 s + |t|: rounding of a step's time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +58,7 @@ class Series:
         tau, first, last = offset + pace * t, self.times[0], self.times[-1]
         if not first <= tau <= last:
             if beyond < 0.5:
-                slack = 1e-9 * (1.0 + abs(tau))
+                slack = SLACK * (1.0 + abs(tau))
                 if not first - slack <= tau <= last + slack:
                     raise ArithmeticError(
                         f"the file holds {first:g} to {last:g} s, and {tau:g} s is asked for: beyond = 1 keeps its ends, 2 repeats it"

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "kernel.h"
-#include "sea_constants.h"
+#include "kernel_constants.h"
 #include "sea_response.h"
 
 enum { SLOTS = 4, KEYS = 21, LISTS = 7 }; /* windows kept; arguments but time and signal; arrays of n numbers */
@@ -23,7 +23,7 @@ typedef struct {
     double place[ORDER], transform[ORDER][ORDER];
     double *phase, *rate[2], *phasor, *turn;
     double *amplitude[SIGNALS][2], *matrix[SIGNALS][2]; /* old and new sea; motion and second derivative */
-    bool amplified[SIGNALS], product[SIGNALS];
+    bool amplified[SIGNALS], multiplied[SIGNALS];
     double square[SIGNALS][3];
     int64_t window[SIGNALS][SLOTS];
     double series[SIGNALS][SLOTS][ORDER][4]; /* of the motion and its first three derivatives */
@@ -121,7 +121,7 @@ static void make(Motion *m, const double *table, const double *a)
     make_rates(m);
     m->at = INT64_MIN;
     memset(m->amplified, 0, sizeof m->amplified);
-    memset(m->product, 0, sizeof m->product);
+    memset(m->multiplied, 0, sizeof m->multiplied);
     for (int s = 0; s < SIGNALS; s++)
         for (int k = 0; k < SLOTS; k++) m->window[s][k] = INT64_MIN;
     m->known = true;
@@ -191,12 +191,12 @@ static void make_products(Motion *m, int signal)
             }
         }
     }
-    m->product[signal] = true;
+    m->multiplied[signal] = true;
 }
 
 static void steady(Motion *m, int signal, int64_t n, double (*series)[4])
 {
-    if (!m->product[signal]) make_products(m, signal);
+    if (!m->multiplied[signal]) make_products(m, signal);
     to_window(m, n);
     for (int k = 0; k < 2; k++) {
         const double *from = m->matrix[signal][k];

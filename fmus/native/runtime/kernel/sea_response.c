@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "sea_constants.h"
+#include "kernel_constants.h"
 
 static double sinc(double u) { return fabs(u) < 1e-4 ? 1.0 - u * u / 6.0 : sin(u) / u; }
 

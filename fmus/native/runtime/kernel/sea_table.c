@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "sea_constants.h"
+#include "kernel_constants.h"
 
 enum { MOST = 8 }; /* entries of a weighted sum, some of them twice */
 

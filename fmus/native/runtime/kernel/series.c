@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "kernel.h"
+#include "kernel_constants.h"
 
 size_t kernel_series_size(const double *table)
 {
@@ -31,7 +32,7 @@ void kernel_series(const double *table, const double *argument, double *result, 
     double tau = argument[3] + pace * argument[0];
     int *kept = memory;
     if (!(first <= tau && tau <= last)) {
-        const double slack = 1e-9 * (1.0 + fabs(tau));
+        const double slack = SLACK * (1.0 + fabs(tau));
         if (beyond < 0.5 && !(first - slack <= tau && tau <= last + slack)) {
             result[0] = result[1] = result[2] = NAN; /* refused: an output that is no number */
             return;
