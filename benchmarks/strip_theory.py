@@ -13,6 +13,7 @@ import json
 import math
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 
 import capytaine as cpt
 import numpy as np
@@ -46,20 +47,19 @@ def surface(length: float, breadth: float, draught: float, offset: Callable[[flo
         vertices.extend(corners)
 
     for side in (1.0, -1.0):
-        for a, b in zip(stations, stations[1:]):
-            for s, e in zip(girth, girth[1:]):
+        for a, b in pairwise(stations):
+            for s, e in pairwise(girth):
                 corners = [point(a, s, side), point(a, e, side), point(b, e, side), point(b, s, side)]
                 panel(corners[::-1] if side > 0 else corners)
         for x in (-1.0, 1.0):
             if offset(x, -0.5) < 1e-9:
                 continue
-            for s, e in zip(girth[: nz // 2 + 1], girth[1 : nz // 2 + 1]):
-                for u, v in zip(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5)[1:]):
+            for s, e in pairwise(girth[: nz // 2 + 1]):
+                for u, v in pairwise(np.linspace(0.0, 1.0, 5)):
                     ends = [point(x, s, side), point(x, e, side)]
                     corners = [[p[0], w * p[1], p[2]] for p, w in ((ends[0], u), (ends[1], u), (ends[1], v), (ends[0], v))]
                     panel(corners if (side > 0) == (x > 0) else corners[::-1])
-    mesh = cpt.Mesh(vertices=np.array(vertices), faces=np.array(faces))
-    return mesh
+    return cpt.Mesh(vertices=np.array(vertices), faces=np.array(faces))
 
 
 HULLS = {

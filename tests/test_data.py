@@ -129,10 +129,12 @@ GOOD = "period [s], direction [deg], heave_amplitude [m/m], heave_phase [deg]\n"
         (GOOD + "9, 60, 2, 0\n", {"phase": "lead", "direction": "to"}, "line 10: heave at .* stands there twice, and differs"),
         (GOOD.replace(" 60,", " 170,"), {"phase": "lead", "direction": "to"}, "expected a circle"),
         (GOOD.replace("9,", "0,"), {"phase": "lead", "direction": "to"}, "a period of 0 s"),
-        (GOOD.replace("heave_", "bounce_"), {"phase": "lead", "direction": "to"}, "column 'bounce_amplitude': expected frequency"),
+        (GOOD.replace("heave_", "bounce_"), {"phase": "lead", "direction": "to"}, "column 'bounce_amplitude': expected"),
     ],
 )  # fmt: skip
-def test_responses_that_cannot_be_meant_are_refused(text: str, given: dict[str, Any], message: str, tmp_path: Path) -> None:
+def test_responses_that_cannot_be_meant_are_refused(
+    text: str, given: dict[str, Any], message: str, tmp_path: Path
+) -> None:
     path = tmp_path / "ship.csv"
     path.write_text(text)
     with pytest.raises(Refused, match=message):
@@ -190,8 +192,16 @@ def test_a_monotone_series_stays_between_its_rows(tmp_path: Path) -> None:
     text = "t [s], x [m]\n0,0\n1,0\n2,5\n3,5\n4,5.1\n"
     kept, _ = play(text, tmp_path, method="monotone")
     swings, _ = play(text, tmp_path)
-    low, high = ([f(s.kernel().run(0.01 * k, 0, 1.0, 0.0, 0.0)[0] for k in range(401)) for s in (kept, swings)] for f in (min, max))
-    assert low[0] == 0.0 and high[0] == 5.1 and low[1] < -0.1 and high[1] > 5.15
+    one, other = ([s.kernel().run(0.01 * k, 0, 1.0, 0.0, 0.0)[0] for k in range(401)] for s in (kept, swings))
+    assert min(one) == 0.0 and max(one) == 5.1 and min(other) < -0.1 and max(other) > 5.15
+
+
+def test_a_route_is_played_as_its_csv_says(tmp_path: Path) -> None:
+    text = "time_h,heading_deg,wave_height_m\n0,350,2\n1,359,3\n2,8,2.5\n"
+    played, notes = play(text, tmp_path, unwrap=["heading"])
+    assert played.names == ("heading", "wave_height") and played.times == (0.0, 3600.0, 7200.0) and len(notes) == 3
+    assert np.degrees(played.values[0]) == pytest.approx([350.0, 359.0, 368.0])
+    assert "heading turns by more than half a circle from row 2 to 3" in " ".join(play(text, tmp_path)[1])
 
 
 @pytest.mark.parametrize(
@@ -220,7 +230,8 @@ def test_a_spectrum_in_three_forms_is_one_sea(tmp_path: Path) -> None:
     f, density = np.linspace(0.04, 0.4, 30), np.array([4.0 * math.exp(-((k - 8.0) ** 2) / 20.0) for k in range(30)])
     (tmp_path / "hz.csv").write_text("frequency [Hz], density [m2/Hz]\n" + "".join(f"{a},{b}\n" for a, b in zip(f, density)))
     (tmp_path / "si.csv").write_text(
-        "density [m2 s/rad], frequency [rad/s]\n" + "".join(f"{b / (2 * math.pi)},{2 * math.pi * a}\n" for a, b in zip(f, density))
+        "density [m2 s/rad], frequency [rad/s]\n"
+        + "".join(f"{b / (2 * math.pi)},{2 * math.pi * a}\n" for a, b in zip(f, density))
     )
     with Dataset(tmp_path / "wavespectra.nc", "w") as data:
         for name, size in (("time", 1), ("freq", 30), ("dir", 4)):

@@ -70,8 +70,8 @@ class Unit:
     from which the packaged reference result is made. ``depends``: the inputs that act on each output without delay, None: as
     `dependencies` finds them. ``terminals``: the places where the unit is joined to another; the variables of each by what
     they are there (`force`, `displacement`, `velocity_surge`), which has one name on both sides.
-    ``files``: kinds of file that a scene may give to the unit, with what they hold; ``given`` makes the unit that carries what was
-    read from some of them, by kind; ``needs_files``: it means nothing without.
+    ``files``: kinds of file that a scene may give to the unit, with what they hold; ``given`` makes the unit that carries what
+    was read from some of them, by kind; ``needs_files``: it means nothing without.
     """
 
     name: str

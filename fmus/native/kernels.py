@@ -1,8 +1,9 @@
 """Kernels in traces: calls of C functions from traced functions (``models/numeric/kernel.py``, ``runtime/kernel``).
 
 A trace holds a kernel as a call of a stand-in, a CasADi function of its name that is not inlined; in the C text the stand-in's
-body becomes a call of the kernel. Its last argument is the kernel's number, its others are the time and what stays between events, so that
-only the time has a derivative: a result v with the rate v' is written v + v' (t - now), where now takes the value of t after differentiation.
+body becomes a call of the kernel. Its last argument is the kernel's number, its others are the time and what stays between
+events, so that only the time has a derivative: a result v with the rate v' is written v + v' (t - now), where now takes the
+value of t after differentiation.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ class Kernels:
 
 def called(text: str) -> str:
     """C text of traced functions in which stand-ins call their kernels."""
-    body = r"\1(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {{\n  {}\n}}\n"
+    arguments = "const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem"
+    body = rf"\1({arguments}) {{{{\n  {{}}\n}}}}\n"
     call = body.format(r"return towage_kernel(\2, arg[0], res[0], iw);")
     found = rf"^(/\* {STAND_IN}_(\d+):[^\n]*\*/\nstatic int \w+)\([^)]*\) \{{.*?^\}}\n"
     text, count = re.subn(found, call, text, flags=re.MULTILINE | re.DOTALL)
@@ -73,10 +75,10 @@ def called(text: str) -> str:
 
 def constants_source() -> str:
     """``kernel_constants.h``."""
-    lines = (f"#define {name} {value!r}" for name, value in CONSTANTS.items())
-    return "/* Made from models/sea and models/route/playback.py. */\n#ifndef TOWAGE_KERNEL_CONSTANTS_H\n#define TOWAGE_KERNEL_CONSTANTS_H\n\n" + "\n".join(
-        [*lines, "", "#endif", ""]
-    )
+    lines = [f"#define {name} {value!r}" for name, value in CONSTANTS.items()]
+    guard = "TOWAGE_KERNEL_CONSTANTS_H"
+    head = ["/* Made from models/sea and models/route/playback.py. */", f"#ifndef {guard}", f"#define {guard}", ""]
+    return "\n".join([*head, *lines, "", "#endif", ""])
 
 
 def tables_source(kernels: Sequence[Kernel]) -> str:

@@ -61,7 +61,8 @@ class Series:
                 slack = SLACK * (1.0 + abs(tau))
                 if not first - slack <= tau <= last + slack:
                     raise ArithmeticError(
-                        f"the file holds {first:g} to {last:g} s, and {tau:g} s is asked for: beyond = 1 keeps its ends, 2 repeats it"
+                        f"the file holds {first:g} to {last:g} s, and {tau:g} s is asked for: beyond = 1 keeps its ends, 2 "
+                        "repeats it"
                     )
                 tau = min(max(tau, first), last)
             elif beyond < 1.5:

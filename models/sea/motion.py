@@ -161,7 +161,7 @@ class Motion:
 
     def _phasors_at(self, n: int) -> list[complex]:
         """exp(j phi_i) at the start of window ``n``."""
-        block, rest = divmod(n, BLOCK)
+        block = n // BLOCK
         if not block * BLOCK <= self._at <= n:
             self._at = block * BLOCK
             self._phasors = [cmath.exp(1j * phi) for phi in self._phases(self._at * self.width, 0.0)]

@@ -1,8 +1,8 @@
 """Seas of one or two peaks, or by a table, as lists of components.
 
-A sea is a shape over x = omega/omega_p, which stays while significant height and peak period change. Two peaks have a rule and
-directions each; a table has one rule a direction. As the nodes of Gauss rules are nowhere equidistant, no record repeats, whatever
-its length: there is no period that it could outlast.
+A sea is a shape over x = omega/omega_p, which stays while significant height and peak period change. Two peaks have a rule
+and directions each; a table has one rule a direction. As the nodes of Gauss rules are nowhere equidistant, no record repeats,
+whatever its length: there is no period that it could outlast.
 
 Sources: `waves`; the six parameters of Ochi and Hubble (1976) are heights, peak frequencies and orders of two peaks.
 """

@@ -35,131 +35,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 from ..heave import ship
-from ..numeric.ops import NEVER, Ops, Value
-from ..numeric.oscillator import acceleration, exact_oscillation
+from ..numeric.ops import Ops, Value
+from ..numeric.oscillator import acceleration
 from ..numeric.ramp import ramp
 from ..protocol.model import AnyModel, Model, Requirement
-from ..protocol.variables import Rate, input_variable, margin, output, parameter
-from . import heave_response, waves
+from ..protocol.variables import Rate, margin, output
+from . import heave_response
 from .kernel import BEYOND, sea_kernel
+from .looks import CALM, Inputs, Modes, State, initial, next_event_time, transition
 from .motion import POINT
 from .response_table import ResponseTable
 from .seas import SeaTable, Shape
+from .ship_parameters import STRUCTURE, Parameters
 from .waves import GRAVITY
 
 SLOW = 0.1
 """Relative change a wave period at which a sea no longer changes slowly."""
-CALM = 0.1
-"""Least height from which a period follows, m."""
 TURN = 2.0 * math.pi
 LEAST_DRAUGHTS, LEAST_LENGTHS = 28.0, 1.65
 """Length of the waves at the peak, in draughts, and in ship lengths along the ship, above which the closed form's heave is within
 20 % of that of panels: regular waves and seas, three hulls, three headings (``benchmarks/strip_theory.py``)."""
 BEYOND_SHARE, BEYOND_SPEED = 0.05, 0.5
 """Where a table of responses ends: share of the wave energy beyond its frequencies, and m/s beyond its speeds."""
-STRUCTURE = Shape._fields
-"""Parameters from which the table of components is made."""
-
-
-@dataclass(frozen=True)
-class HullAndWaves:
-    """Box of the hull and components of the sea, SI."""
-
-    length: Annotated[Value, parameter("m", 100.0, "Length of the ship", display="ft", min=1e-3)]
-    breadth: Annotated[Value, parameter("m", 15.0, "Breadth", display="ft", min=1e-3)]
-    draught: Annotated[Value, parameter("m", 5.0, "Draught", display="ft", min=1e-3)]
-    block_coefficient: Annotated[Value, parameter("1", 0.7, "Block coefficient", min=0.1, max=1.0)]
-    smith_oblique: Annotated[
-        Value, parameter("1", 0.0, "Smith factor: 0 exp(-k T), 1 exp(-k |cos beta| T)", min=0.0, max=1.0)
-    ]
-    peakedness: Annotated[
-        Value, parameter("1", 1.0, "gamma of JONSWAP; 1: Bretschneider and Pierson-Moskowitz", min=1.0, max=10.0)
-    ]
-    components: Annotated[Value, parameter("1", 100.0, "Number of wave components", min=1.0, max=300.0)]
-    spreading: Annotated[
-        Value,
-        parameter("1", -1.0, "s of the directional distribution cos^2s; negative: long-crested", min=-1.0, max=40.0),
-    ]
-    directions: Annotated[Value, parameter("1", 8.0, "Number of wave directions, more than s + 2", min=1.0, max=48.0)]
-    order: Annotated[
-        Value, parameter("1", 1.0, "lambda of the peak after Ochi and Hubble; 1: Pierson-Moskowitz", min=0.3, max=20.0)
-    ]
-    second_share: Annotated[
-        Value, parameter("1", 0.0, "Share of the energy (of Hs squared) in a second peak", min=0.0, max=0.999)
-    ]
-    second_frequency: Annotated[
-        Value, parameter("1", 0.5, "Peak frequency of the second peak over that of the first", min=0.1, max=10.0)
-    ]
-    second_peakedness: Annotated[Value, parameter("1", 1.0, "gamma of the second peak", min=1.0, max=10.0)]
-    second_order: Annotated[Value, parameter("1", 1.0, "lambda of the second peak", min=0.3, max=20.0)]
-    second_direction: Annotated[
-        Value, parameter("rad", 0.0, "Direction of the second peak less that of the first", display="deg")
-    ]
-    seed: Annotated[Value, parameter("1", 1964.0, "Seed of the phases, a whole number", min=0.0, max=9e15)]
-    update_interval: Annotated[
-        Value, parameter("s", 10.0, "Time between looks at the sea, which it then follows smoothly", min=1e-3)
-    ]
-    point_x: Annotated[
-        Value, parameter("m", 0.0, "Point that holds the line, ahead of where the responses are given", display="ft")
-    ]
-    point_y: Annotated[
-        Value, parameter("m", 0.0, "To port; needs a table of responses, as the closed form has no roll", display="ft")
-    ]
-    point_z: Annotated[Value, parameter("m", 0.0, "Up", display="ft")]
-
-
-@dataclass(frozen=True)
-class Parameters(ship.Oscillator, HullAndWaves):
-    """Hull and waves first, then the oscillator of `ship`. A unit that was given files has a table of ``responses`` in place of
-    the closed form, a measured ``spectrum`` in place of peaks."""
-
-    responses: ClassVar[ResponseTable | None] = None
-    spectrum: ClassVar[SeaTable | None] = None
-
-
-State = ship.State
-
-
-class Modes(NamedTuple):
-    """What was seen: whether there was a look yet; the time of the first look and the number of the last; the phase integrals
-    P, C and D, rad, at the time ``anchor`` since which nothing changed but by one look; the sea that was left and the one
-    that is approached."""
-
-    begun: Value
-    first_look: Value
-    looks: Value
-    anchor: Value
-    peak_phase: Value
-    doppler_cos: Value
-    doppler_sin: Value
-    old_height: Value
-    old_frequency: Value
-    old_direction: Value
-    old_speed: Value
-    new_height: Value
-    new_frequency: Value
-    new_direction: Value
-    new_speed: Value
-
-
-class Inputs(NamedTuple):
-    """The line as in `ship`, and the sea, which only the scene can know: its start values may be meant, or forgotten."""
-
-    reaction: ship.Reaction
-    wave_height: Annotated[Value, input_variable("m", "Significant wave height", start=2.0, display="ft")]
-    wave_period: Annotated[
-        Value, input_variable("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height", unset="as for 0")
-    ]
-    wave_direction: Annotated[
-        Value,
-        input_variable(
-            "rad", "Angle between the course and the waves' travel; pi head sea", start=math.pi, display="deg"
-        ),
-    ]
-    speed: Annotated[Value, input_variable("m/s", "Speed of the ship", display="kn")]
 
 
 class Outputs(NamedTuple):
@@ -211,15 +111,6 @@ class Outputs(NamedTuple):
 Calculated = ship.Calculated
 
 
-def sea_of(u: Inputs, ops: Ops) -> tuple[Value, Value, Value, Value]:
-    """Height, peak frequency, direction and speed that the inputs describe."""
-    height = ops.maximum(u.wave_height, 0.0)
-    given = u.wave_period > 0.0
-    by_height = waves.steepest_frequency(ops.maximum(height, CALM), ops)
-    frequency = ops.where(given, TURN / ops.where(given, u.wave_period, 1.0), by_height)
-    return height, frequency, u.wave_direction, u.speed
-
-
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Enough directions for the spread (`waves`)."""
     text = "directions do not resolve cos^2s with s = spreading: give more than spreading + 2 directions"
@@ -228,61 +119,6 @@ def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
         (ops.where(p.spreading >= 0.0, p.directions - p.spreading - 2.0, 1.0), text),
         (1.0 if p.responses else ops.where(ops.abs(p.point_y) > 0.0, -1.0, 1.0), held),
     )
-
-
-def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
-    """At rest; the sea is looked at with the first inputs."""
-    return State(0.0, 0.0), Modes(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
-
-
-def next_event_time(t: Value, m: Modes, p: Parameters, ops: Ops) -> Value:
-    """The next look."""
-    return ops.where(m.begun > 0.5, m.first_look + (m.looks + 1.0) * p.update_interval, NEVER)
-
-
-def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
-    """A look that is due; at the start the sea is what the inputs say, however often they are set."""
-    height, frequency, direction, speed = sea_of(u, ops)
-    first = ops.where(m.begun > 0.5, ops.where(t > m.first_look, 0.0, 1.0), 1.0) > 0.5
-    due = ops.where(m.begun > 0.5, ops.where(t >= next_event_time(t, m, p, ops), 1.0, 0.0), 0.0) > 0.5
-    # nothing changed and nothing changes: the anchor stays, and no rounding is added
-    resting = _differ(m, m.new_height, m.new_frequency, m.new_direction, m.new_speed, ops) < 0.5
-    same = ops.where(resting, _differ(m, height, frequency, direction, speed, ops), 1.0) < 0.5
-    look = m.first_look + (m.looks + 1.0) * p.update_interval
-    left, half = look - m.anchor, 0.5 * p.update_interval
-    c0, d0 = _doppler(m.old_frequency, m.old_direction, m.old_speed, ops)
-    c1, d1 = _doppler(m.new_frequency, m.new_direction, m.new_speed, ops)
-
-    def carried(total: Value, before: Value, after: Value) -> Value:
-        return total + ops.where(resting, left * before, half * (before + after))
-
-    def seen(held: Value, at_start: Value, moved: Value) -> Value:
-        """After no look, the first one, one that finds something else."""
-        return ops.where(first, at_start, ops.where(due, ops.where(same, held, moved), held))
-
-    return x, Modes(
-        1.0, ops.where(first, t, m.first_look), ops.where(first, 0.0, ops.where(due, m.looks + 1.0, m.looks)),
-        seen(m.anchor, t, look),
-        seen(m.peak_phase, 0.0, carried(m.peak_phase, m.old_frequency, m.new_frequency)),
-        seen(m.doppler_cos, 0.0, carried(m.doppler_cos, c0, c1)),
-        seen(m.doppler_sin, 0.0, carried(m.doppler_sin, d0, d1)),
-        seen(m.old_height, height, m.new_height), seen(m.old_frequency, frequency, m.new_frequency),
-        seen(m.old_direction, direction, m.new_direction), seen(m.old_speed, speed, m.new_speed),
-        seen(m.new_height, height, height), seen(m.new_frequency, frequency, frequency),
-        seen(m.new_direction, direction, direction), seen(m.new_speed, speed, speed),
-    )  # fmt: skip
-
-
-def _differ(m: Modes, height: Value, frequency: Value, direction: Value, speed: Value, ops: Ops) -> Value:
-    """Whether this is another sea than the one that was left, 1 or 0."""
-    off = ops.abs(height - m.old_height) + ops.abs(frequency - m.old_frequency)
-    return ops.where(off + ops.abs(direction - m.old_direction) + ops.abs(speed - m.old_speed) > 0.0, 1.0, 0.0)
-
-
-def _doppler(frequency: Value, direction: Value, speed: Value, ops: Ops) -> tuple[Value, Value]:
-    """C' and D', rad/s."""
-    scale = frequency * frequency * speed / GRAVITY
-    return scale * ops.cos(direction), scale * ops.sin(direction)
 
 
 derivatives, advance = ship.derivatives, ship.advance

@@ -20,8 +20,9 @@ outside the band carry nothing (0.5 % of m0 for 0.45 ... 4); (4) the autocorrela
 the spectrum for about 2 n seconds at Tp = 12 s (to 1e-3: 210 s for 100, 427 s for 200).
 
 Sources: W. J. Pierson, L. Moskowitz, J. Geophys. Res. 69 (1964) 5181-5190 (alpha = 0.0081); K. Hasselmann et al.,
-Dtsch. Hydrogr. Z. A8-12 (1973); W. Gautschi, Orthogonal Polynomials (2004), 2.2 (Stieltjes) and 1.4.1 (Golub-Welsch);
-M. K. Ochi, E. N. Hubble, Proc. 15th Coastal Engineering Conf. (1976) 301-328 (order lambda); G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014 (SplitMix64). Range: Hs > 0, Tp > 0, 1 <= gamma <= 10.
+Dtsch. Hydrogr. Z. A8-12 (1973); M. K. Ochi, E. N. Hubble, Proc. 15th Coastal Engineering Conf. (1976) 301-328 (order lambda);
+W. Gautschi, Orthogonal Polynomials (2004), 2.2 (Stieltjes) and 1.4.1 (Golub-Welsch); G. L. Steele, D. Lea, C. H. Flood,
+OOPSLA 2014 (SplitMix64). Range: Hs > 0, Tp > 0, 1 <= gamma <= 10, 0.3 <= lambda <= 20.
 """
 
 from __future__ import annotations

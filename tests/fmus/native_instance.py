@@ -28,7 +28,8 @@ def compile_library(names: Iterable[str], path: Path, kernels: Sequence[Kernel] 
     """The library of the runtime's files ``names`` and of ``more``, text by name without suffix; all symbols visible."""
     folder = path.parent / f"{path.stem}_sources"
     folder.mkdir()
-    for name, text in (runtime_sources(2, kernels) | {f"{name}.c": text.encode() for name, text in more.items()}).items():
+    texts = runtime_sources(2, kernels) | {f"{name}.c": text.encode() for name, text in more.items()}
+    for name, text in texts.items():
         (folder / name).write_bytes(text)
     objects = []
     for name in (*names, *(f"{name}.c" for name in more)):
@@ -48,7 +49,8 @@ def unit_library(traced: Traced, directory: Path) -> ctypes.CDLL:
     names = runtime_sources(2, traced.kernels)
     runtime = [name for name in names if name.endswith(".c") and not name.startswith("fmi")]
     library = compile_library(
-        runtime, directory / "unit.so", traced.kernels, look=look, model=model_source(traced.functions), unit=unit_source(traced, "token")
+        runtime, directory / "unit.so", traced.kernels, look=look, model=model_source(traced.functions),
+        unit=unit_source(traced, "token"),
     )
     library.instance_new.restype, library.message.restype = ctypes.c_void_p, ctypes.c_char_p
     return library

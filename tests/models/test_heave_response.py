@@ -95,7 +95,8 @@ PARAMETERS_SEA = hr.components(100, 1964)
 @pytest.mark.parametrize(("around", "error"), [(0.0, 3e-13), (10800.0, 5e-12), (36000.0, 1e-11)])
 def test_windows_do_not_drift(around: float, error: float) -> None:
     """After three and ten hours as at the start, but for the rounding of the phases themselves: 3e4 rad times 1e-16 after
-    three hours, 7e-12 in the fastest components; the velocity, a derivative of 18 coefficients, has a few hundred roundings. Every window of a block, whose phasors turn up to 31 times, is met."""
+    three hours, 7e-12 in the fastest components; the velocity, a derivative of 18 coefficients, has a few hundred roundings.
+    Every window of a block, whose phasors turn up to 31 times, is met."""
     m = start(HEAD)[1]
     for k in range(64):
         t = around + 0.41 * k

@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from importlib.resources import files
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -96,7 +97,7 @@ def test_spectra_and_extremes_are_those_of_a_quadrature(name: str, beta: float) 
             return omega**power * abs(of_point(signal, omega, beta)) ** 2 * waves.spectrum(omega, 3.0, peak, 3.3)
 
         band = [waves.BAND[0] * peak, peak, 0.9, 1.2, waves.BAND[1] * peak]
-        return sum(quad(density, a, b, epsrel=1e-10)[0] for a, b in zip(band, band[1:]))
+        return sum(quad(density, a, b, epsrel=1e-10)[0] for a, b in pairwise(band))
 
     sigma, rate = math.sqrt(moment(0)), math.sqrt(moment(2))
     assert math.sqrt(variance) == pytest.approx(sigma, rel=1e-3)
@@ -119,7 +120,7 @@ def test_a_record_of_the_point_is_rigid_and_has_the_spectrum() -> None:
     for t in (0.0, 7.7, 300.3):
         motions = [ship_in_sea.free_motion(t, m, p, k, FLOATS) for k in range(9)]
         rigid = np.array(motions[:3])[:, :3].T + np.cross(np.array(motions[3:6])[:, :3].T, [-35.0, 9.0, 15.0])
-        assert np.array(motions[6:])[:, :3].T == pytest.approx(rigid, abs=1e-11)
+        assert pytest.approx(rigid, abs=1e-11) == np.array(motions[6:])[:, :3].T
     seen = ship_in_sea.outputs(7.7, x, m, u, u, p, FLOATS)
     assert (seen.margin_strip, seen.margin_response) == (1.0, pytest.approx(1.0, abs=0.05))
 
@@ -154,7 +155,8 @@ def test_two_peaks_are_those_of_ochi_and_hubble() -> None:
         return total
 
     height = math.hypot(2.0, 1.5)
-    shape = Shape(100.0, order=1.5, second_share=(1.5 / height) ** 2, second_frequency=0.5, second_order=4.0, second_direction=0.8)
+    share = (1.5 / height) ** 2
+    shape = Shape(100.0, order=1.5, second_share=share, second_frequency=0.5, second_order=4.0, second_direction=0.8)
     sea = sea_components(shape, None, 1)
     for power in (0, 1, 2):
         wanted = quad(lambda w: w**power * density(w), 0.05, 8.0, points=(0.4, 0.45, 0.5, 0.9, 1.2), limit=400)[0]  # noqa: B023
@@ -181,7 +183,7 @@ def test_a_measured_spectrum_keeps_its_moments_and_directions() -> None:
     assert energies.sum() == pytest.approx(m0, rel=1e-12)
     # straight lines between 45 densities, integrated exactly
     second = sum(
-        quad(lambda w: w * w * np.interp(w, omega, shape), a, b)[0] for a, b in zip(omega, omega[1:])
+        quad(lambda w: w * w * np.interp(w, omega, shape), a, b)[0] for a, b in pairwise(omega)
     )  # fmt: skip
     assert (energies * (np.array(sea.x) * 0.7) ** 2).sum() == pytest.approx(0.5 * second, rel=1e-9)
     assert energies[np.array(sea.sin) < 0.0].sum() == pytest.approx(0.7 * m0, rel=1e-12)

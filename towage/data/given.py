@@ -63,8 +63,8 @@ def _unit(name: str, text: str) -> Unit:
 
 
 def given(name: str, files: Mapping[str, Any], folder: Path, fail: Callable[[str, str], SceneError]) -> Given:
-    """The data of ``files`` for the unit ``name``, paths relative to ``folder``. ``fail(message, kind)`` makes the errors that are
-    raised."""
+    """The data of ``files`` for the unit ``name``, paths relative to ``folder``. ``fail(message, kind)`` makes the errors that
+    are raised."""
     kinds = load(name).files
     data, notes = {}, []
     for kind, entry in files.items():

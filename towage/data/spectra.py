@@ -1,13 +1,12 @@
 """Measured spectra from files, as `models.sea.seas.SeaTable`.
 
-| file | what is in it |
-|---|---|
-| CSV | ``frequency`` [Hz] or [rad/s], ``density`` [m2/Hz] or [m2 s/rad]; of a directional one ``direction`` [deg] or [rad] too and ``density`` [m2/Hz/deg], [m2/Hz/rad] or [m2 s/rad2]; ``direction`` = "clockwise" (compass) or "anticlockwise" |
-| netCDF | ``efth`` over freq, Hz, and dir, deg, as wavespectra writes it (m2/Hz/deg, compass), one time and place |
+* CSV: ``frequency`` [Hz] or [rad/s], ``density`` [m2/Hz] or [m2 s/rad]; of a directional one ``direction`` [deg] or [rad] too,
+  and ``density`` [m2/Hz/deg], [m2/Hz/rad] or [m2 s/rad2]; the option ``direction`` = "clockwise" (compass) or "anticlockwise".
+* netCDF: ``efth`` over freq, Hz, and dir, deg, as wavespectra writes it (m2/Hz/deg, compass), one time and place.
 
-What other formats hold (ERA5, WW3, SWAN, buoys) wavespectra brings into that netCDF: ``read_swan(...).to_netcdf(...)``. Directions
-count from the mean one, which the unit's ``wave_direction`` gives. Significant height and peak period are those of the file, and
-the unit's inputs start with them.
+What other formats hold (ERA5, WW3, SWAN, buoys) the package wavespectra brings into that netCDF: its readers give a data set
+with ``to_netcdf``. Directions count from the mean one, which the unit's ``wave_direction`` gives. Significant height and peak
+period are those of the file, and the unit's inputs start with them.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 from towage import reading
 from towage.data import columns
 from towage.data.columns import options
-from towage.data.responses import ANGLE
+from towage.data.response_csv import ANGLE
 from towage.models.sea.response_table import TURN
 from towage.reading import Refused
 
