@@ -34,7 +34,7 @@ class Part(NamedTuple):
         """The model that is composed."""
         model = self.unit.model
         if not can_be_part(model):
-            return model.fixed({v.name: self.values.get(v.name, v.start) for v in self._fixed})
+            return model.fixed({v.name: self.values.get(v.name, v.start or 0.0) for v in self._fixed})
         p = model.Parameters(**{v.name: self.values.get(v.name, v.start) for v in self.unit.parameters})
         try:
             return linear_part(model, p)

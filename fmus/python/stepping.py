@@ -73,6 +73,7 @@ class Stepping(Values):
     def _exactly(self, time: float, start: float, end: float) -> None:
         """As `_integrate`, of a model that has a step of its own."""
         cubics = [shifted(c, start) for c in self._polynomials()] if start else self._polynomials()
+        assert self._advances
         self._x = self._advances(time + start, end - start, self._x, self._m, cubics, self._p, FLOATS)
 
     def _integrate(self, time: float, start: float, end: float) -> None:

@@ -130,7 +130,7 @@ class Model(Record, Generic[P, X, M, U, Y]):
             for name, value in values.items():
                 object.__setattr__(p, name, value)
 
-        kind = type("Fixed", (self.Parameters,), {"__post_init__": hold, "__annotations__": {}})  # type: ignore[misc]
+        kind = type("Fixed", (self.Parameters,), {"__post_init__": hold, "__annotations__": {}})  # type: ignore[arg-type]
         return replace(self, Parameters=dataclass(frozen=True)(kind))
 
     @property

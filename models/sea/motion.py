@@ -205,7 +205,7 @@ class Motion:
         squares = self._squares(signal)
         if self.steady:
             return squares[0]
-        share = ramp(since, self.state.interval, FLOATS)[0]
+        share: float = ramp(since, self.state.interval, FLOATS)[0]
         rest = 1.0 - share
         return rest * rest * squares[0] + 2.0 * rest * share * squares[1] + share * share * squares[2]
 

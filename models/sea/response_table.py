@@ -106,7 +106,7 @@ def weights(places: Sequence[float], x: float, period: float) -> list[tuple[int,
         if n == 2 and not period:
             slope = {0: -1.0 / h, 1: 1.0 / h}
         else:
-            slope = parabola(*(place(middle + i) for i in (-1, 0, 1)), place(at))
+            slope = parabola(place(middle - 1), place(middle), place(middle + 1), place(at))
             slope = {middle - 1 + i: value for i, value in slope.items()}
         for i, value in slope.items():
             w[i] = w.get(i, 0.0) + share * value

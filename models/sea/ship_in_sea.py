@@ -213,7 +213,7 @@ def given(responses: ResponseTable | None = None, spectrum: SeaTable | None = No
     return replace(SHIP_IN_SEA, Parameters=dataclass(frozen=True)(kind))
 
 
-SHIP_IN_SEA = Model(
+SHIP_IN_SEA: AnyModel = Model(
     "ship_in_sea",
     "Ship in an irregular sea: heave by a closed form or six motions by a table, plus the response to the line",
     Parameters, State, Modes, Inputs, Outputs, Calculated,

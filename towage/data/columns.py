@@ -119,7 +119,8 @@ def _netcdf(path: Path) -> Table:
     from netCDF4 import Dataset
 
     with reading.foreign(path, "netCDF file"), Dataset(path) as data:
-        arrays, units = {}, {}
+        arrays: dict[str, Array] = {}
+        units: dict[str, str] = {}
         for name, variable in data.variables.items():
             if variable.ndim != 1 or variable.dtype.kind not in "fiu":
                 continue

@@ -87,7 +87,7 @@ def _capytaine(path: Path) -> Values:
             raise Refused(f"has no variable RAO, but {known}: write what capytaine.post_pro.rao gives")
         variable = data.variables["RAO"]
         reading.limited(variable.size, 2 * 6 * MAX_VALUES, "values of RAO")
-        raw = np.ma.filled(np.ma.asarray(variable[:], float), np.nan)
+        raw: Any = np.ma.filled(np.ma.asarray(variable[:], float), np.nan)
         dims = variable.dimensions
         coordinates = {name: _coordinate(data.variables[name]) for name in dims if name in data.variables}
         speeds = _coordinate(data.variables["forward_speed"]) if "forward_speed" in data.variables else np.zeros(1)

@@ -79,7 +79,8 @@ def _efth(path: Path) -> tuple[Array, Array, Array]:
                 raise Refused(f"has no variable {name}: expected a spectrum as wavespectra writes it, efth over freq and dir")
         variable = data.variables["efth"]
         reading.limited(variable.size, MAX_DENSITIES, "densities of efth: select one time and place")
-        dims, values = variable.dimensions, np.ma.filled(np.ma.asarray(variable[:], float), np.nan)
+        dims = variable.dimensions
+        values: Array = np.ma.filled(np.ma.asarray(variable[:], float), np.nan)
         omega = TURN * np.asarray(data.variables["freq"][:], float)
         angle = -np.radians(np.asarray(data.variables["dir"][:], float)) if "dir" in data.variables else np.zeros(1)
     if more := [n for n, size in zip(dims, values.shape) if n not in ("freq", "dir") and size != 1]:

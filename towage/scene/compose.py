@@ -11,7 +11,8 @@ from towage.fmus.declare.scene_unit import Part
 from towage.fmus.declare.scene_unit import scene_unit as declared
 from towage.fmus.declare.unit import Unit, load
 from towage.models.compose.plan import CompositionError, Connection
-from towage.scene.resolve import ResolvedScene, carried, described
+from towage.scene.files import carried
+from towage.scene.resolve import ResolvedScene, described
 from towage.scene.select import select
 from towage.units.store import locator
 

@@ -20,7 +20,8 @@ from msgspec.structs import replace
 from towage.data.given import Given
 from towage.errors import FmuError
 from towage.registry import UNITS
-from towage.scene.resolve import ResolvedScene, ResolvedUnit, carried, described
+from towage.scene.files import carried
+from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
 from towage.units.archive import read_description
 from towage.units.description import Description, is_own
