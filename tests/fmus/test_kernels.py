@@ -47,7 +47,7 @@ SEAS: dict[str, tuple[dict[str, object], dict[str, float]]] = {
 }  # fmt: skip
 
 
-QUICK = ("closed form", "table")
+QUICK = ("table",)
 
 
 def made(name: str, data: dict[str, object]) -> Unit:

@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from towage.data.given import Given, given
 from towage.errors import SceneError, TowageError
+from towage.fmus.declare.unit import Unit
 from towage.registry import UNITS
 from towage.scene.scene import Scene
 from towage.units.archive import read_description
@@ -44,6 +45,13 @@ def carried(scene: Scene, name: str) -> Given | None:
         return scene.error(message, f"units.{name}.files.{kind}")
 
     return given(entry.fmu, entry.files, scene.file.parent if scene.file else Path(), fail)
+
+
+def declared(scene: Scene, name: str) -> Unit:
+    """The declaration of the shipped unit ``name`` of a scene, with the data that it carries."""
+    data = carried(scene, name)
+    unit: Unit = data.unit if data else UNITS.get(scene.units[name].fmu)
+    return unit
 
 
 def _path(scene: Scene, name: str, fmu: str, locate: Locate) -> Path:
