@@ -28,7 +28,9 @@ LENGTHS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0, 2.5, 3.
 """Wave length over ship length."""
 
 
-def surface(length: float, breadth: float, draught: float, offset: Callable[[float, float], float], nx: int, nz: int) -> cpt.Mesh:
+def surface(
+    length: float, breadth: float, draught: float, offset: Callable[[float, float], float], nx: int, nz: int
+) -> cpt.Mesh:
     """Panels of a hull with half-breadth ``offset(x, z)`` over B/2, x in -1 ... 1, z in -1 ... 0; its ends and bottom are closed
     where the offset does not vanish."""
     girth = [*np.linspace(0.0, 1.0, nz + 1)]
@@ -57,7 +59,9 @@ def surface(length: float, breadth: float, draught: float, offset: Callable[[flo
             for s, e in pairwise(girth[: nz // 2 + 1]):
                 for u, v in pairwise(np.linspace(0.0, 1.0, 5)):
                     ends = [point(x, s, side), point(x, e, side)]
-                    corners = [[p[0], w * p[1], p[2]] for p, w in ((ends[0], u), (ends[1], u), (ends[1], v), (ends[0], v))]
+                    corners = [
+                        [p[0], w * p[1], p[2]] for p, w in ((ends[0], u), (ends[1], u), (ends[1], v), (ends[0], v))
+                    ]
                     panel(corners if (side > 0) == (x > 0) else corners[::-1])
     return cpt.Mesh(vertices=np.array(vertices), faces=np.array(faces))
 
@@ -105,7 +109,9 @@ def main() -> None:
         rows = []
         for heading in HEADINGS:
             for ratio, omega in zip(LENGTHS, found["omega"]):
-                true = float(abs(found["rao"].sel(radiating_dof="Heave", wave_direction=math.radians(heading), omega=omega)))
+                true = float(
+                    abs(found["rao"].sel(radiating_dof="Heave", wave_direction=math.radians(heading), omega=omega))
+                )
                 ours = abs(heave_rao(omega, 0.0, math.cos(math.radians(heading)), hull, FLOATS))
                 rows.append([heading, ratio, round(true, 5), round(ours, 5)])
                 print(f"{name:8s} {heading:5.0f} {ratio:5.2f} {true:8.4f} {ours:8.4f} {ours - true:+8.4f}", flush=True)

@@ -32,7 +32,12 @@ def response(dof: int, omega: float, beta: float) -> complex:
 
 def rows() -> list[tuple[float, float, int, complex]]:
     """Period, direction, degree of freedom, H."""
-    return [(t, d, k, response(k, 2.0 * math.pi / t, math.radians(d))) for t in PERIODS for d in DIRECTIONS for k in range(6)]
+    return [
+        (t, d, k, response(k, 2.0 * math.pi / t, math.radians(d)))
+        for t in PERIODS
+        for d in DIRECTIONS
+        for k in range(6)
+    ]
 
 
 def wamit(path: Path, ulen: float = 40.0) -> dict[str, Any]:
@@ -64,14 +69,16 @@ def orcaflex(path: Path) -> dict[str, Any]:
     """Blocks a direction, phases lag in degrees, rotations in degrees a metre."""
     head = ["Period (s)"]
     for name in DOFS:
-        head += [f"{name.capitalize()} Ampl. ({'deg/m' if DOFS.index(name) > 2 else 'm/m'})", f"{name.capitalize()} Phase (deg)"]
+        head += [
+            f"{name.capitalize()} Ampl. ({'deg/m' if DOFS.index(name) > 2 else 'm/m'})",
+            f"{name.capitalize()} Phase (deg)",
+        ]
     lines = ["# vessel type"]
     for d in DIRECTIONS:
         lines += [f"Direction {d}", ",".join(head)]
         for t in PERIODS:
             cells = [f"{t}"]
-            for k in range(6):
-                h = response(k, 2.0 * math.pi / t, math.radians(d))
+            for h, k in ((response(k, 2.0 * math.pi / t, math.radians(d)), k) for k in range(6)):
                 cells += [f"{math.degrees(abs(h)) if k > 2 else abs(h):.12g}", f"{-math.degrees(cmath.phase(h)):.12g}"]
             lines.append(",".join(cells))
     path.with_suffix(".txt").write_text("\n".join(lines))
@@ -99,11 +106,12 @@ def plain(path: Path) -> dict[str, Any]:
 @pytest.mark.parametrize("write", [wamit, capytaine, orcaflex, plain])
 def test_every_format_gives_one_ship(write: Any, tmp_path: Path) -> None:
     given, notes = write(tmp_path / "ship"), list[str]()
-    path = given.pop("file")
-    table = ResponseTable(**responses.read(path, given, notes))
+    table = ResponseTable(**responses.read(given.pop("file"), given, notes))
     assert len(table.headings) == 8 and any("mirror image" in note for note in notes)
     for t, d, k, h in rows():
-        omega = 2.0 * math.pi / t * (1.0 - 1e-9)  # frequencies are read to 1e-9 rad/s, and above the last the ship lies still
+        omega = (
+            2.0 * math.pi / t * (1.0 - 1e-9)
+        )  # frequencies are read to 1e-9 rad/s, and above the last the ship lies still
         assert table.at(k, omega, 0.0, math.radians(d)) == pytest.approx(h, abs=1e-7)
         assert table.at(k, omega, 0.0, -math.radians(d)) == pytest.approx(h if k in (0, 2, 4) else -h, abs=1e-7)
 
@@ -221,14 +229,18 @@ def test_a_route_is_played_as_its_csv_says(tmp_path: Path) -> None:
         ("0,0\n1,1\n", {}, "line 1: expected the names of the columns"),
     ],
 )  # fmt: skip
-def test_series_that_cannot_be_meant_are_refused(text: str, given: dict[str, Any], message: str, tmp_path: Path) -> None:
+def test_series_that_cannot_be_meant_are_refused(
+    text: str, given: dict[str, Any], message: str, tmp_path: Path
+) -> None:
     with pytest.raises(Refused, match=message):
         play(text, tmp_path, **given)
 
 
 def test_a_spectrum_in_three_forms_is_one_sea(tmp_path: Path) -> None:
     f, density = np.linspace(0.04, 0.4, 30), np.array([4.0 * math.exp(-((k - 8.0) ** 2) / 20.0) for k in range(30)])
-    (tmp_path / "hz.csv").write_text("frequency [Hz], density [m2/Hz]\n" + "".join(f"{a},{b}\n" for a, b in zip(f, density)))
+    (tmp_path / "hz.csv").write_text(
+        "frequency [Hz], density [m2/Hz]\n" + "".join(f"{a},{b}\n" for a, b in zip(f, density))
+    )
     (tmp_path / "si.csv").write_text(
         "density [m2 s/rad], frequency [rad/s]\n"
         + "".join(f"{b / (2 * math.pi)},{2 * math.pi * a}\n" for a, b in zip(f, density))
@@ -240,15 +252,14 @@ def test_a_spectrum_in_three_forms_is_one_sea(tmp_path: Path) -> None:
         data.createVariable("dir", "f8", ("dir",))[:] = [0.0, 90.0, 180.0, 270.0]
         share = np.array([0.0, 0.5, 0.5, 0.0]) / 90.0  # from the south-east
         data.createVariable("efth", "f8", ("time", "freq", "dir"))[:] = (density[:, None] * share)[None]
-    made = [spectra.read(tmp_path / name, {}, []) for name in ("hz.csv", "si.csv", "wavespectra.nc")]
-    for each in made:
+    for each in (made := [spectra.read(tmp_path / name, {}, []) for name in ("hz.csv", "si.csv", "wavespectra.nc")]):
         assert each["height"] == pytest.approx(4.0 * math.sqrt(float(np.trapezoid(density, f))), rel=1e-12)
         assert each["frequency"] == pytest.approx(2.0 * math.pi * f[8], rel=1e-12)
     # a quarter more clockwise, as on a compass, is less in the axes of the ship
     energies = {round(math.degrees(mu)): sum(row) for (mu, _), row in zip(made[2]["directions"], made[2]["densities"])}
     assert energies[45] == pytest.approx(energies[-45]) and energies[45] > 0.0 == energies[135] == energies[-135]
+    (tmp_path / "bad.csv").write_text("frequency, density\n1,1\n2,2\n3,3\n")
     with pytest.raises(Refused, match="its unit is not given: expected"):
-        (tmp_path / "bad.csv").write_text("frequency, density\n1,1\n2,2\n3,3\n")
         spectra.read(tmp_path / "bad.csv", {}, [])
 
 

@@ -69,7 +69,9 @@ def called(text: str) -> str:
     first = re.search(rf"^/\* {STAND_IN}_\d+:", text, re.MULTILINE)
     if not count or not first:
         raise AssertionError("this version of CasADi writes calls in another form")
-    declared = "int towage_kernel(int number, const casadi_real *argument, casadi_real *result, const casadi_int *iw);\n\n"
+    declared = (
+        "int towage_kernel(int number, const casadi_real *argument, casadi_real *result, const casadi_int *iw);\n\n"
+    )
     return text[: first.start()] + declared + text[first.start() :]
 
 

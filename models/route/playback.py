@@ -52,7 +52,9 @@ class Series:
     def kernel(self) -> Kernel:
         """kernel(t, column, pace, offset, beyond) -> value, rate, second derivative."""
         head = (float(len(self.times)), float(len(self.names)))
-        return Kernel("series", self._run, RATES, (*head, *self.times, *(v for c in (*self.values, *self.slopes) for v in c)))
+        return Kernel(
+            "series", self._run, RATES, (*head, *self.times, *(v for c in (*self.values, *self.slopes) for v in c))
+        )
 
     def _run(self, t: float, column: float, pace: float, offset: float, beyond: float) -> tuple[float, ...]:
         tau, first, last = offset + pace * t, self.times[0], self.times[-1]
@@ -89,7 +91,8 @@ class Parameters:
     pace: Annotated[Value, parameter("1", 1.0, "Seconds of the file that pass in a second", min=0.0)]
     offset: Annotated[Value, parameter("s", 0.0, "Time of the file at time zero")]
     beyond: Annotated[
-        Value, parameter("1", REFUSED, "Beyond the rows: 0 refused, 1 the last row stays, 2 begins again", min=0.0, max=2.0)
+        Value,
+        parameter("1", REFUSED, "Beyond the rows: 0 refused, 1 the last row stays, 2 begins again", min=0.0, max=2.0),
     ]
 
     series: ClassVar[Series]

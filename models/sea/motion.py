@@ -75,7 +75,9 @@ def encounter(sea: Sea, components: Components) -> tuple[float, ...]:
     """Frequencies of encounter, rad/s, signed."""
     c, s = doppler(sea)
     omega_p = sea.frequency
-    return tuple(x * omega_p - x * x * (mc * c - ms * s) for x, mc, ms in zip(components.x, components.cos, components.sin))
+    return tuple(
+        x * omega_p - x * x * (mc * c - ms * s) for x, mc, ms in zip(components.x, components.cos, components.sin)
+    )
 
 
 @lru_cache(maxsize=1)
@@ -107,9 +109,7 @@ def series(c: Sequence[float], tau: float) -> float:
 class Motion:
     """The motions of one `State`. ``amplitudes(signal, sea)`` are the complex ones of all components."""
 
-    def __init__(
-        self, state: State, components: Components, amplitudes: Callable[[int, Sea], Amplitudes]
-    ) -> None:
+    def __init__(self, state: State, components: Components, amplitudes: Callable[[int, Sea], Amplitudes]) -> None:
         self.state, self.components, self._amplitudes = state, components, amplitudes
         self.steady = state.old == state.new
         self._rates = encounter(state.old, components), encounter(state.new, components)

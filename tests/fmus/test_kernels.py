@@ -105,7 +105,9 @@ def test_a_structural_parameter_of_a_native_ship_is_fixed_and_its_memory_is_no_s
         one.step(k * 0.1, 0.1)
         if k % 10 == 9:
             two.step(k * 0.1 - 0.9, 1.0)
-            assert one.get("free_heave", "pitch_rate") == pytest.approx(two.get("free_heave", "pitch_rate"), rel=1e-12, abs=1e-14)
+            assert one.get("free_heave", "pitch_rate") == pytest.approx(
+                two.get("free_heave", "pitch_rate"), rel=1e-12, abs=1e-14
+            )
 
 
 SERIES = Series((0.0, 1.0, 1.5, 4.0), ("a", "b"), ("m", "1"), ((1.0, 3.0, 2.0, 1.0), (5.0,) * 4),
@@ -136,5 +138,3 @@ def test_a_file_is_played_alike(beyond: float, end: float, player: tuple[Unit, A
         with pytest.raises(StepError, match="the file holds 0 to 4 s, and 5.5 s is asked for: beyond = 1"):
             own.do_step(own.time, 3.0)
         assert other.step(own.time, 3.0) == NO_STEP and "became nan" in other.message
-
-

@@ -36,7 +36,7 @@ def oscillator(omega: float, own: float, damping: float) -> complex:
 def response(dof: int, omega: float, beta: float) -> complex:
     """A ship like one: heave and pitch that follow long waves, a roll in resonance, no surge phase alike."""
     k = omega * omega / G
-    decay = math.exp(-4.0 * k) * math.exp(-(0.35 * k * 40.0 * math.cos(beta)) ** 2)
+    decay = math.exp(-4.0 * k) * math.exp(-((0.35 * k * 40.0 * math.cos(beta)) ** 2))
     along, across = math.cos(beta), math.sin(beta)
     return decay * (
         1j * along, 1j * across, oscillator(omega, 0.95, 0.3), -1j * k * across * oscillator(omega, 0.7, 0.12),
@@ -102,7 +102,9 @@ def test_spectra_and_extremes_are_those_of_a_quadrature(name: str, beta: float) 
     sigma, rate = math.sqrt(moment(0)), math.sqrt(moment(2))
     assert math.sqrt(variance) == pytest.approx(sigma, rel=1e-3)
     sea = sea_components(Shape(200.0, 3.3), None, 5)
-    shares = [TABLE.motion(signal, peak * x, 0.0, beta, (-35.0, 9.0, 15.0)) * 3.0 * a for x, a in zip(sea.x, sea.amplitude)]
+    shares = [
+        TABLE.motion(signal, peak * x, 0.0, beta, (-35.0, 9.0, 15.0)) * 3.0 * a for x, a in zip(sea.x, sea.amplitude)
+    ]
     found = math.sqrt(0.5 * sum(abs(h * peak * x) ** 2 for x, h in zip(sea.x, shares)))
     assert found == pytest.approx(rate, rel=1e-3)
 

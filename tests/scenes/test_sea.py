@@ -29,11 +29,15 @@ CRADLE = {
 
 def scene(folder: Path, **coupling: Any) -> Scene:
     """A cage under the quarter of a ship."""
-    rows = ["period [s], direction [deg], heave_amplitude [m/m], heave_phase [deg], roll_amplitude [deg/m], roll_phase [deg]"]
+    rows = [
+        "period [s], direction [deg], heave_amplitude [m/m], heave_phase [deg], roll_amplitude [deg/m], roll_phase [deg]"
+    ]
     for period in (4, 6, 8, 10, 13, 18, 25):
         for direction in range(0, 181, 30):
             across = math.sin(math.radians(direction))
-            rows.append(f"{period},{direction},{1.0 / (1.0 + (6.0 / period) ** 4)},{-period},{2.0 * across},{90 + period}")
+            rows.append(
+                f"{period},{direction},{1.0 / (1.0 + (6.0 / period) ** 4)},{-period},{2.0 * across},{90 + period}"
+            )
     (folder / "vessel.csv").write_text("\n".join(rows))
     return Scene.from_dict({
         "title": "cage", "stop_time": 20.0,

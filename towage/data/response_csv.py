@@ -33,7 +33,11 @@ KNOT = 1852.0 / 3600.0
 def read(path: Path, given: Mapping[str, Any]) -> Values:
     """The entries. Raises `Refused` with the place in the file, and OSError."""
     options(given, ("phase", "time", "direction"))
-    for name, words in {"phase": ("lead", "lag"), "time": ("exp(+iwt)", "exp(-iwt)"), "direction": ("to", "from")}.items():
+    for name, words in {
+        "phase": ("lead", "lag"),
+        "time": ("exp(+iwt)", "exp(-iwt)"),
+        "direction": ("to", "from"),
+    }.items():
         if name in given and given[name] not in words:
             raise Refused(f"{name} = {given[name]!r}: expected {' or '.join(map(repr, words))}")
     if "direction" not in given:
@@ -96,10 +100,14 @@ def _heads(table: Table) -> tuple[dict[str, Any], dict[str, tuple[Column, Column
             found.setdefault(motion[1], {})[motion[2][:2]] = column
             continue
         if name not in AXES:
-            raise Refused(f"column {column.name!r}: expected {', '.join(AXES)}, or a motion as heave_amplitude and heave_phase")
+            raise Refused(
+                f"column {column.name!r}: expected {', '.join(AXES)}, or a motion as heave_amplitude and heave_phase"
+            )
         units = AXES[name]
         if column.unit.lower() not in units:
-            raise Refused(f"column {column.name!r}: its unit is {column.unit or 'not given'}: expected [{'] or ['.join(units)}]")
+            raise Refused(
+                f"column {column.name!r}: its unit is {column.unit or 'not given'}: expected [{'] or ['.join(units)}]"
+            )
         values = units[column.unit.lower()] * column.values
         if name == "period":
             if (values <= 0.0).any():
@@ -130,13 +138,17 @@ def _complex(name: str, first: Column, second: Column, omega: Any, given: Mappin
     units = {"rad/m": 1.0, "deg/m": math.pi / 180.0, "slope": omega * omega / GRAVITY} if rotation else {"m/m": 1.0}
     for column in (first, second) if second.name.lower().endswith(("im", "imag")) else (first,):
         if column.unit.lower() not in units:
-            raise Refused(f"column {column.name!r}: its unit is {column.unit or 'not given'}: expected [{'] or ['.join(units)}]")
+            raise Refused(
+                f"column {column.name!r}: its unit is {column.unit or 'not given'}: expected [{'] or ['.join(units)}]"
+            )
     scale = units[first.unit.lower()]
     if re.search(r"phase$", second.name.lower()):
         if second.unit.lower() not in ANGLE:
             raise Refused(f"column {second.name!r}: its unit is {second.unit or 'not given'}: expected [deg] or [rad]")
         if "phase" not in given:
-            raise Refused("phase is not given: 'lead' or 'lag', of a motion relative to the crest at the reference point")
+            raise Refused(
+                "phase is not given: 'lead' or 'lag', of a motion relative to the crest at the reference point"
+            )
         sign = 1.0 if given["phase"] == "lead" else -1.0
         return scale * first.values * np.exp(1j * sign * ANGLE[second.unit.lower()] * second.values)
     if "time" not in given:

@@ -70,7 +70,9 @@ def _wamit(path: Path, given: Mapping[str, Any]) -> Values:
         if abs(value - modulus * complex(math.cos(math.radians(phase)), math.sin(math.radians(phase)))) > 1e-2 * max(
             abs(value), 1e-6
         ):
-            raise Refused(f"{where}: modulus {modulus:g} and phase {phase:g} deg are not those of {re_part:g}, {im_part:g}")
+            raise Refused(
+                f"{where}: modulus {modulus:g} and phase {phase:g} deg are not those of {re_part:g}, {im_part:g}"
+            )
         dof = int(mode) - 1
         scale = 1.0 / ulen if dof > 2 else 1.0
         key = key_of(float(speed), math.radians(heading), TURN / period, where)
@@ -93,7 +95,9 @@ def _capytaine(path: Path) -> Values:
         speeds = _coordinate(data.variables["forward_speed"]) if "forward_speed" in data.variables else np.zeros(1)
     for name in ("complex", "omega", "wave_direction", "radiating_dof"):
         if name not in dims:
-            raise Refused(f"RAO has the dimensions {', '.join(dims)}: expected complex, omega, wave_direction, radiating_dof")
+            raise Refused(
+                f"RAO has the dimensions {', '.join(dims)}: expected complex, omega, wave_direction, radiating_dof"
+            )
     extra = [n for n in dims if n not in ("complex", "omega", "wave_direction", "radiating_dof", "forward_speed")]
     wide = [n for n in extra if raw.shape[dims.index(n)] != 1]
     if wide:
@@ -174,5 +178,3 @@ def _whole_circle(values: Values, headings: list[float], notes: list[str]) -> li
             f"0 to 180 deg, with at most {math.degrees(WIDEST):g} deg between two"
         )
     return headings
-
-

@@ -93,7 +93,9 @@ def _unwrapped(found: list[Column], names: Any) -> list[Column]:
         raise Refused(f"unwrap = {names!r}: expected a list of columns among {', '.join(c.name for c in found)}")
     try:
         return [
-            Column(c.name, c.unit, np.unwrap(c.values, period=convert(2.0 * math.pi, "rad", c.unit))) if c.name in names else c
+            Column(c.name, c.unit, np.unwrap(c.values, period=convert(2.0 * math.pi, "rad", c.unit)))
+            if c.name in names
+            else c
             for c in found
         ]
     except QuantityError as error:
@@ -158,7 +160,9 @@ def _in_si(column: Column, notes: list[str]) -> tuple[str, Array]:
         raise Refused(f"column {column.name!r}: {error}") from None
     if same_dimension(unit, "rad") and (np.abs(np.diff(values)) > math.pi).any():
         k = int(np.argmax(np.abs(np.diff(values)))) + 1
-        notes.append(f"{column.name} turns by more than half a circle from row {k} to {k + 1}, and is played so: see unwrap")
+        notes.append(
+            f"{column.name} turns by more than half a circle from row {k} to {k + 1}, and is played so: see unwrap"
+        )
     return unit, np.asarray(values)
 
 

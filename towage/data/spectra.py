@@ -65,7 +65,9 @@ def read(path: Path, given: Mapping[str, Any], notes: list[str]) -> dict[str, An
 
 def _scaled(column: columns.Column, units: Mapping[str, float]) -> Array:
     if column.unit.lower() not in units:
-        raise Refused(f"column {column.name!r}: its unit is {column.unit or 'not given'}: expected [{'] or ['.join(units)}]")
+        raise Refused(
+            f"column {column.name!r}: its unit is {column.unit or 'not given'}: expected [{'] or ['.join(units)}]"
+        )
     return units[column.unit.lower()] * column.values
 
 
@@ -76,7 +78,9 @@ def _efth(path: Path) -> tuple[Array, Array, Array]:
     with reading.foreign(path, "netCDF file"), Dataset(path) as data:
         for name in ("efth", "freq"):
             if name not in data.variables:
-                raise Refused(f"has no variable {name}: expected a spectrum as wavespectra writes it, efth over freq and dir")
+                raise Refused(
+                    f"has no variable {name}: expected a spectrum as wavespectra writes it, efth over freq and dir"
+                )
         variable = data.variables["efth"]
         reading.limited(variable.size, MAX_DENSITIES, "densities of efth: select one time and place")
         dims = variable.dimensions
@@ -110,10 +114,14 @@ def _table(omega: Array, angle: Array, density: Array, notes: list[str]) -> dict
     mean = math.atan2(float(energies @ np.sin(angle)), float(energies @ np.cos(angle)))
     height, peak = 4.0 * math.sqrt(m0), float(omega[np.argmax(along)])
     spread = "" if len(angle) == 1 else f", from {len(angle)} directions"
-    notes.append(f"Hs = {height:.4g} m and Tp = {TURN / peak:.4g} s are those of the spectrum{spread}; other inputs scale it")
+    notes.append(
+        f"Hs = {height:.4g} m and Tp = {TURN / peak:.4g} s are those of the spectrum{spread}; other inputs scale it"
+    )
     return {
         "frequencies": tuple(omega.tolist()),
-        "directions": tuple(((a - mean + math.pi) % TURN - math.pi, w) for a, w in zip(angle.tolist(), widths.tolist())),
+        "directions": tuple(
+            ((a - mean + math.pi) % TURN - math.pi, w) for a, w in zip(angle.tolist(), widths.tolist())
+        ),
         "densities": tuple(map(tuple, density.tolist())),
         "height": height,
         "frequency": peak,

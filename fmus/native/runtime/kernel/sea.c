@@ -91,7 +91,7 @@ static void make_rates(Motion *m)
         }
     }
     const double windows = ceil(m->interval * fastest / REACH);
-    m->windows = windows < 1.0 ? 1 : windows > 1e15 ? INT64_C(1000000000000000) : (int64_t)windows;
+    m->windows = !(windows >= 1.0) ? 1 : windows > 1e15 ? INT64_C(1000000000000000) : (int64_t)windows;
     m->width = m->interval / (double)m->windows;
     for (int i = 0; i < c->count; i++) {
         m->turn[2 * i] = cos(m->rate[0][i] * m->width);
