@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...models.numeric.integrate import IntegrationError, integrate
+from ...models.numeric.integrate import MAX_STEPS, IntegrationError, integrate
 from ...models.numeric.ops import FLOATS, NEVER
 from .values import EVENT_TOLERANCE, PHASES, STEPPING, CallError, StepError, Values
 
@@ -57,14 +57,16 @@ class Stepping(Values):
             self._change(time, self.values[self._inputs])
         if not self._x:
             return
-        move, done = self._exactly if self._advances else self._integrate, 0.0
+        move, done, events = self._exactly if self._advances else self._integrate, 0.0, 0
         while self._next_event:
             event = self._next_event(time + done, self._m, self._p, FLOATS)
             due = event - time
             if not done < due < step * (1.0 - EVENT_TOLERANCE):
                 break
+            if events == MAX_STEPS:
+                raise IntegrationError(f"more than {MAX_STEPS} events until t = {event}: take shorter steps")
             move(time, done, due)
-            done = due
+            done, events = due, events + 1
             u = [a0 + due * (a1 + due * (a2 + due * a3)) for a0, a1, a2, a3 in self._polynomials()]
             # not time + due, which may round to just before the event
             self._x, self._m = self._transition(event, self._x, self._m, u, self._p, FLOATS)  # type: ignore[misc]

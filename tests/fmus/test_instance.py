@@ -278,7 +278,8 @@ EVERYTHING = DOCKING | {"breaking_load": 6e4, "wave_speed": 900.0}
 WIDER = {"tow_system": {"margin_small_perturbation"}, "tow_cable_nonlinear": {"tension_body"},
          "wire": {"tension_least", "margin_slack"},
          # all that a sea moves: it is seen at the start and at looks, which are further apart than these steps
-         "ship_in_sea": {v.name for v in load("ship_in_sea").observed if v.causality == "output"} - {"margin_response"}}  # fmt: skip
+         "ship_in_sea": {v.name for v in load("ship_in_sea").observed if v.causality == "output"}
+         - {"margin_response"}}  # fmt: skip
 """Outputs that depend on fewer inputs than is declared."""
 
 

@@ -132,9 +132,14 @@ static Outcome advance(Instance *it, double begin, double step)
         motion.moving = motion.moving || k[1] != 0.0 || k[2] != 0.0 || k[3] != 0.0;
     }
     double done = 0.0;
-    for (;;) {
+    for (int events = 0;; events++) {
         const double due_time = next_event(it, begin + done), due = due_time - begin;
         if (!(done < due && due < step * (1.0 - EVENT_TOLERANCE))) break;
+        if (events == MAX_STEPS) {
+            Number at;
+            return refuse(it, NO_STEP, "more than %d events until t = %s: take shorter steps", MAX_STEPS,
+                          shortest(due_time, at));
+        }
         const Outcome outcome = move(&motion, done, due);
         if (outcome != DONE) return outcome;
         done = due;
