@@ -61,6 +61,8 @@ def _unknown(kind: Any) -> Any:
 
 def _plain(model: AnyModel) -> tuple[Any, ...]:
     """The traced outputs after the transition of a communication point."""
+    known = quantities(model.Parameters) if model.structure else {}
+    model = model.fixed({name: known[name].start or 0.0 for name in model.structure})
     t, u, p = Traced(), _inputs(model), model.Parameters(**{name: Traced() for name in quantities(model.Parameters)})
     x, m = _unknown(model.State), _unknown(model.Modes)
     if model.transition:

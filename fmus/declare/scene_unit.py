@@ -3,7 +3,8 @@
 Variables keep their names behind that of their part, ``<part>.<variable>``, with their units, bounds and descriptions;
 start values are those of the scene. Inputs that are connected inside are no inputs of the unit. One
 ``integration_tolerance`` serves all, and there is no ``freeze_branches``: the composition locates its branches itself.
-Parameters of linear units are fixed: their matrices are made when the scene is composed.
+Parameters of linear units, and those that decide tables of others, are fixed: matrices and tables are made when the scene is
+composed.
 """
 
 from __future__ import annotations
@@ -33,12 +34,18 @@ class Part(NamedTuple):
         """The model that is composed."""
         model = self.unit.model
         if not can_be_part(model):
-            return model
+            return model.fixed({v.name: self.values.get(v.name, v.start or 0.0) for v in self._fixed})
         p = model.Parameters(**{v.name: self.values.get(v.name, v.start) for v in self.unit.parameters})
         try:
             return linear_part(model, p)
         except CompositionError as error:
             raise CompositionError(f"{self.name}: {error}") from None
+
+    @property
+    def _fixed(self) -> tuple[Variable, ...]:
+        """Parameters from which matrices or tables are made when the scene is composed."""
+        every = can_be_part(self.unit.model)
+        return tuple(v for v in self.unit.parameters if every or v.name in self.unit.model.structure)
 
     def full_name(self, variable: str) -> str:
         """The name of a variable in the scene."""
@@ -47,7 +54,7 @@ class Part(NamedTuple):
     def variable(self, v: Variable) -> Variable:
         """A parameter, input or output in the scene."""
         start = self.values.get(v.name, v.start)
-        if v.causality == "parameter" and can_be_part(self.unit.model):
+        if v in self._fixed:
             return replace(v, name=self.full_name(v.name), start=start, min=start, max=start)
         return replace(v, name=self.full_name(v.name), start=start)
 

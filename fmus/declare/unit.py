@@ -8,7 +8,7 @@ in ``docs/``. Every variable stands once, with the model (``models/protocol/vari
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import accumulate, pairwise
@@ -70,6 +70,8 @@ class Unit:
     from which the packaged reference result is made. ``depends``: the inputs that act on each output without delay, None: as
     `dependencies` finds them. ``terminals``: the places where the unit is joined to another; the variables of each by what
     they are there (`force`, `displacement`, `velocity_surge`), which has one name on both sides.
+    ``files``: kinds of file that a scene may give to the unit, with what they hold; ``given`` makes the unit that carries what
+    was read from some of them, by kind; ``needs_files``: it means nothing without.
     """
 
     name: str
@@ -84,19 +86,23 @@ class Unit:
     reference_inputs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     depends: Mapping[str, tuple[str, ...]] | None = None
     terminals: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+    given: Callable[[Mapping[str, Any]], Unit] | None = None
+    needs_files: bool = False
 
     @classmethod
     def of(
         cls, model: AnyModel, *,
         start: Mapping[str, float] | None = None, inputs: Mapping[str, tuple[float, float]] | None = None,
         terminals: Mapping[str, Mapping[str, str]] | None = None,
+        files: Mapping[str, str] | None = None, given: Callable[[Mapping[str, Any]], Unit] | None = None,
     ) -> Unit:  # fmt: skip
         """The unit of ``model`` with its reference run. Raises ``TypeError`` for a variable without a record."""
         states = tuple(kind for kind in (model.State, model.linear and model.linear.Own) if kind)
         return cls(
             model.name, model.description, model, _all(model.Parameters), _all(model.Calculated), _all(model.Inputs),
             _all(model.Outputs), tuple(named(n, q) for kind in states for n, q in quantities(kind).items()),
-            start or {}, inputs or {}, terminals=terminals or {},
+            start or {}, inputs or {}, terminals=terminals or {}, files=files or {}, given=given,
         )  # fmt: skip
 
     @property
@@ -142,7 +148,8 @@ def _all(kind: Any) -> tuple[Variable, ...]:
     if kind is None:
         return ()
     records = quantities(kind)
-    bare = [f for f in getattr(kind, "_fields", kind.__annotations__) if f not in records]
+    names = kind._fields if hasattr(kind, "_fields") else [f.name for f in fields(kind)]
+    bare = [name for name in names if name not in records]
     if bare:
         raise TypeError(f"{kind.__module__}.{kind.__qualname__}: {', '.join(bare)} has no record of unit and meaning")
     return tuple(named(name, quantity) for name, quantity in records.items())

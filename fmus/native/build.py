@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import hashlib
 import uuid
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 import casadi as ca
 
+from ...models.numeric.kernel import Kernel
 from ..declare.unit import Unit, load
 from ..describe import archive as archive_writer
 from ..describe.fmi2 import document, native_model_description
@@ -26,6 +27,7 @@ from ..python.reference import reference_run
 from ..python.values import CallError
 from . import compiler
 from .constants import constants_header
+from .kernels import sources as kernel_sources
 from .source import model_source, unit_source
 from .stages import runtime_stages
 from .trace import trace
@@ -34,13 +36,15 @@ from .traced import Traced
 RUNTIME = Path(__file__).resolve().parent / "runtime"
 
 
-def runtime_sources(fmi: int) -> dict[str, bytes]:
-    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI and without
-    ``chain``, which no unit uses yet, and those that are made from Python. The archive has them in one folder: FMI 2 names files
-    in ``sources/`` alone."""
-    left_out = ("fmi3" if fmi == 2 else "fmi2", "chain")
+def runtime_sources(fmi: int, kernels: Sequence[Kernel] = ()) -> dict[str, bytes]:
+    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, without
+    ``chain``, which no unit uses yet, and without ``kernel`` where there are none, and those that are made from Python. The
+    archive has them in one folder: FMI 2 names files in ``sources/`` alone."""
+    left_out = ("fmi3" if fmi == 2 else "fmi2", "chain", *(() if kernels else ("kernel",)))
     files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name not in left_out)
     made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
+    if kernels:
+        made |= kernel_sources(kernels)
     return {file.name: file.read_bytes() for file in files} | made
 
 
@@ -48,7 +52,7 @@ def contents(traced: Traced, fmi: int, reference: Reference | None) -> dict[str,
     """The members of the archive but for its libraries. ``reference`` is the reference run, None where there is none."""
     interface = traced.interface
     name = interface.unit.name
-    sources = runtime_sources(fmi) | {"model.c": model_source(traced.functions).encode()}
+    sources = runtime_sources(fmi, traced.kernels) | {"model.c": model_source(traced.functions).encode()}
     files = sorted(["unit.c", *(file for file in sources if file.endswith(".c"))])
 
     def members(token: str) -> dict[str, bytes]:

@@ -13,6 +13,7 @@ from ..declare.arrays import lengths
 from ..declare.unit import Variable
 from .c_text import array, declaration, entry, initializer, number, text
 from .constants import CAUSALITIES
+from .kernels import STAND_IN, called
 from .source_linear import linear_text
 from .traced import Traced
 
@@ -56,11 +57,13 @@ def unit_source(traced: Traced, token: str) -> str:
         "state_names": text(", ".join(v.name for v in interface.states)),
         **{name: entry(functions[name]) for name in UNIT_FUNCTIONS if name in functions},
         "linear": "&linear" if traced.linear else "NULL",
+        **({"memory_make": "kernels_make", "memory_drop": "kernels_drop"} if traced.kernels else {}),
     }
     parts = [
         "/* What the runtime needs to know of the unit: made from its declaration and its traced model. */",
         '#include <math.h>\n#include <stddef.h>\n#include "unit.h"',
         "".join(declaration(function) for function in functions.values()).rstrip(),
+        "void *kernels_make(void);\nvoid kernels_drop(void *);" if traced.kernels else "",
         array("Variable", "variable", (_variable(v) for v in interface.variables)),
         array("int", "rate", (str(k) for k in _rates(unit.observed))),
         array("int", "length", map(str, counts)) if 0 in counts else "",
@@ -106,6 +109,8 @@ def model_source(functions: Mapping[str, ca.Function]) -> str:
     for function in functions.values():
         generator.add(function)
     text = str(generator.dump())
+    if f"/* {STAND_IN}_0:" in text:
+        text = called(text)
     for pattern, replacement in CLEANING:
         text = pattern.sub(replacement, text)
     uses = Counter(re.findall(r"\bcasadi_[a-z]+\d+\b", text))

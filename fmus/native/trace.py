@@ -14,6 +14,7 @@ import casadi as ca
 
 from ..declare.interface import Interface, declared_states
 from ..declare.unit import Unit
+from .kernels import Kernels
 from .trace_linear import trace_linear
 from .traced import OPS, NotNative, Traced, column, dense, forward, parts
 
@@ -27,21 +28,24 @@ def trace(unit: Unit, structure: Mapping[str, float] | None = None) -> Traced:
         raise NotNative(f"{unit.name} has no native flavour: {unit.not_native}")
     if unit.model.linear:
         return trace_linear(unit, structure or {})
-    for name in structure or {}:
-        raise NotNative(f"{unit.name}.{name} is no structural parameter: {unit.name} has none")
-    return _trace(unit)
+    return _trace(unit, _structure(unit, structure or {}))
 
 
-def parameters_of(unit: Unit, p: Any) -> Any:
-    """The model's parameters with the components of the column ``p``."""
-    return unit.model.Parameters(**{v.name: p[i] for i, v in enumerate(unit.parameters)})
+def _structure(unit: Unit, given: Mapping[str, float]) -> dict[str, float]:
+    """Values of the structural parameters: as given, else as declared."""
+    known = unit.model.structure
+    for name in given:
+        if name not in known:
+            raise NotNative(f"{unit.name}.{name} is no structural parameter: {unit.name} has {', '.join(known) or 'none'}")
+    return {v.name: float(given.get(v.name, v.start or 0.0)) for v in unit.parameters if v.name in known}
 
 
-def _trace(unit: Unit) -> Traced:
-    model = unit.model
+def _trace(unit: Unit, structure: Mapping[str, float]) -> Traced:
+    model, kernels = unit.model.fixed(structure), Kernels()
+    ops, now = kernels.ops(OPS), kernels.now
     p, c, t, h = column("p", len(unit.parameters)), column("c", 0), column("t", 1), column("h", 1)
-    parameters = parameters_of(unit, p)
-    x0, m0 = model.initial(parameters, OPS)
+    parameters = model.Parameters(**{v.name: p[i] for i, v in enumerate(unit.parameters)})
+    x0, m0 = model.initial(parameters, ops)
     x, m = column("x", len(x0)), column("m", len(m0))
     n = len(unit.inputs)
     u, du, k = column("u", n), column("du", n), column("k", 4 * n)
@@ -49,28 +53,34 @@ def _trace(unit: Unit) -> Traced:
     modes = model.Modes._make(parts(m))
     at = (t, model.State._make(parts(x)), modes, model.Inputs._make(parts(u)))
     functions: dict[str, ca.Function] = {}
+    with_kernels: dict[str, ca.Function] = {}
 
     def add(name: str, arguments: list[Any], *results: Iterable[Any]) -> None:
-        functions[name] = ca.Function(f"model_{name}", arguments, [dense(each) for each in results])
+        columns = [dense(each) for each in results]
+        if any(ca.depends_on(each, now) for each in columns):
+            with_kernels[name] = raw = ca.Function(f"model_{name}", [*arguments, now], columns)
+            columns = [ca.densify(each) for each in raw.call([*arguments, t], True, False)]
+        functions[name] = ca.Function(f"model_{name}", arguments, columns)
 
-    requirements = model.requirements(parameters, OPS) if model.requirements else ()
+    requirements = model.requirements(parameters, ops) if model.requirements else ()
     if model.requirements:
         add("required", [p, c], [value for value, _ in requirements])
     if model.calculated:
-        add("calculate", [p, c], model.calculated(parameters, OPS))
+        add("calculate", [p, c], model.calculated(parameters, ops))
     add("initial", [p, c], x0, m0)
     if model.derivatives and len(x0):
-        add("derivatives", [t, x, m, u, p, c], model.derivatives(*at, parameters, OPS))
+        add("derivatives", [t, x, m, u, p, c], model.derivatives(*at, parameters, ops))
     if model.indicators and len(x0):
-        add("indicate", [t, x, m, u, p, c], model.indicators(*at, parameters, OPS))
+        add("indicate", [t, x, m, u, p, c], model.indicators(*at, parameters, ops))
     if model.advance and len(x0):
-        add("advance", [t, h, x, m, k, p, c], model.advance(t, h, *at[1:3], cubics, parameters, OPS))
+        add("advance", [t, h, x, m, k, p, c], model.advance(t, h, *at[1:3], cubics, parameters, ops))
     if model.transition:
-        add("change", [t, x, m, u, p, c], *model.transition(*at, parameters, OPS))
+        add("change", [t, x, m, u, p, c], *model.transition(*at, parameters, ops))
     if model.next_event_time:
-        add("next_event", [t, m, p, c], [model.next_event_time(t, modes, parameters, OPS)])
-    add("outputs", [t, x, m, u, du, p, c], model.outputs(*at, model.Inputs._make(parts(du)), parameters, OPS))
-    functions |= {f"{name}_forward": forward(functions[name]) for name in FORWARD if name in functions}
+        add("next_event", [t, m, p, c], [model.next_event_time(t, modes, parameters, ops)])
+    add("outputs", [t, x, m, u, du, p, c], model.outputs(*at, model.Inputs._make(parts(du)), parameters, ops))
+    for name in [name for name in FORWARD if name in functions]:
+        functions[f"{name}_forward"] = forward(with_kernels.get(name, functions[name]), name in with_kernels)
     interface = Interface(
         unit,
         declared_states(unit),
@@ -79,8 +89,10 @@ def _trace(unit: Unit) -> Traced:
         derivative_inputs=_depends(functions.get("derivatives"), 3),
         derivative_states=_depends(functions.get("derivatives"), 1),
         observed_states=_depends(functions["outputs"], 1),
+        structure=structure,
     )
-    return Traced(interface, functions, len(m0), tuple(text for _, text in requirements))
+    texts = tuple(text for _, text in requirements)
+    return Traced(interface, functions, len(m0), texts, kernels=tuple(kernels.found))
 
 
 def _depends(function: ca.Function | None, argument: int) -> tuple[tuple[int, ...], ...]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import casadi as ca
 
+from ...models.numeric.kernel import Kernel
 from ...models.numeric.ops import symbols
 from ...models.protocol.state_space import Study
 from ..declare.interface import Interface
@@ -41,7 +42,7 @@ class TracedLinear:
 class Traced:
     """A unit as traced. ``functions`` by the name of their field in ``Unit`` of ``unit.h``, those of ``Linear`` with
     ``linear_`` before it; ``requirements`` are the messages, one for each result of ``required``; ``constants`` is the
-    length of c; ``linear`` describes the matrices of a linear unit."""
+    length of c; ``linear`` describes the matrices of a linear unit; ``kernels`` are those that the functions call."""
 
     interface: Interface
     functions: dict[str, ca.Function]
@@ -49,6 +50,7 @@ class Traced:
     requirements: tuple[str, ...] = ()
     constants: int = 0
     linear: TracedLinear | None = None
+    kernels: tuple[Kernel, ...] = ()
 
 
 def column(name: str, size: int) -> Any:
@@ -66,11 +68,16 @@ def dense(values: Iterable[Any]) -> Any:
     return ca.densify(ca.vertcat(*map(ca.SX, values)))
 
 
-def forward(function: ca.Function) -> ca.Function:
-    """Directional derivatives: (arguments, results, one seed an argument) -> one derivative a result, all dense."""
-    sizes = [function.size1_in(i) for i in range(function.n_in())]
+def forward(function: ca.Function, with_now: bool = False) -> ca.Function:
+    """Directional derivatives: (arguments, results, one seed an argument) -> one derivative a result, all dense. ``with_now``:
+    the last argument stands for the first, the time, in calls of kernels, and is no argument of what is returned."""
+    sizes = [function.size1_in(i) for i in range(function.n_in() - with_now)]
     arguments, seeds = [column("a", n) for n in sizes], [column("s", n) for n in sizes]
     unused = [column("r", function.size1_out(i)) for i in range(function.n_out())]
-    results = function.call(arguments, True, False)
+    now = [column("now", 1)] if with_now else []
+    results = function.call([*arguments, *now], True, False)
     sensed = [ca.jtimes(r, ca.vertcat(*arguments), ca.vertcat(*seeds)) for r in results]
+    if with_now:
+        whole = ca.Function("sensed", [*arguments, *now, *seeds], sensed)
+        sensed = whole.call([*arguments, arguments[0], *seeds], True, False)
     return ca.Function(f"{function.name()}_forward", [*arguments, *unused, *seeds], [dense([d]) for d in sensed])

@@ -13,7 +13,7 @@ import functools
 import hashlib
 import importlib.util
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
 
@@ -44,12 +44,12 @@ def shipped_place(name: str) -> str:
     return f"fmus.{name}:UNIT"
 
 
-def staged_modules(unit_name: str, place: str = "") -> dict[str, bytes]:
+def staged_modules(unit_name: str, place: str = "", made: Mapping[str, bytes] | None = None) -> dict[str, bytes]:
     """Text of every module that the unit's slave imports, by path inside the private package.
 
     ``place``, "module:attribute", is where the unit's declaration is; default: that of a shipped unit. Modules of its own
-    top-level package are carried too, and what they import from ``towage.fmus`` and ``towage.models``. Raises `BuildError`
-    for an import that cannot be made private.
+    top-level package are carried too, and what they import from ``towage.fmus`` and ``towage.models``. ``made``: texts of modules
+    that are no files, as of one that holds data. Raises `BuildError` for an import that cannot be made private.
     """
     start = (place or shipped_place(unit_name)).partition(":")[0]
     todo = [start, "fmus.python.slave"]
@@ -60,7 +60,7 @@ def staged_modules(unit_name: str, place: str = "") -> dict[str, bytes]:
         name = "/".join(module.split(".")) + ("/__init__.py" if file.name == "__init__.py" else ".py")
         if name in staged:
             continue
-        staged[name] = text = file.read_bytes()
+        staged[name] = text = (made or {}).get(module) or file.read_bytes()
         package = module if file.name == "__init__.py" else module.rpartition(".")[0]
         todo += [outer] if (outer := module.rpartition(".")[0]) else []
         for base, names in _imports(text, module, package, start.partition(".")[0]):
@@ -141,11 +141,12 @@ def _installed(package: str) -> Path:
     return file.parent if file.name == "__init__.py" else file.with_suffix("")
 
 
-def contents(unit: Unit, place: str = "") -> dict[str, bytes]:
-    """The members of the FMU of the unit declared at ``place``; default: that of a shipped unit. Raises `BuildError`."""
+def contents(unit: Unit, place: str = "", made: Mapping[str, bytes] | None = None) -> dict[str, bytes]:
+    """The members of the FMU of the unit declared at ``place``; default: that of a shipped unit. ``made``: as in
+    `staged_modules`. Raises `BuildError`."""
     place = place or shipped_place(unit.name)
     own = place.partition(".")[0].partition(":")[0]
-    modules = staged_modules(unit.name, place)
+    modules = staged_modules(unit.name, place, made)
     digest = hashlib.sha256()
     for name in sorted(modules):
         digest.update(name.encode() + b"\0" + modules[name] + b"\0")
@@ -184,9 +185,11 @@ def build(name: str, directory: Path) -> tuple[Path, bool]:
     return build_unit(load(name), shipped_place(name), directory)
 
 
-def build_unit(unit: Unit, place: str, directory: Path) -> tuple[Path, bool]:
+def build_unit(
+    unit: Unit, place: str, directory: Path, made: Mapping[str, bytes] | None = None
+) -> tuple[Path, bool]:
     """As `build`, for the unit declared at ``place``."""
-    members = contents(unit, place)
+    members = contents(unit, place, made)
     path = directory / f"{unit.name}.fmu"
     if archive_writer.read(path) == members:
         return path, False

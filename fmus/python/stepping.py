@@ -6,14 +6,21 @@ its next event.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-from ...models.numeric.integrate import IntegrationError, integrate
+from ...models.numeric.integrate import MAX_STEPS, IntegrationError, integrate
 from ...models.numeric.ops import FLOATS, NEVER
 from .values import EVENT_TOLERANCE, PHASES, STEPPING, CallError, StepError, Values
 
 TIME_TOLERANCE = 1e-9
 """How far the time of a step may be from where the last one ended, relative to 1 s + |t|."""
+
+
+def shifted(cubic: Sequence[float], s: float) -> tuple[float, float, float, float]:
+    """Coefficients of the same cubic counted from ``s``."""
+    a0, a1, a2, a3 = cubic
+    return a0 + s * (a1 + s * (a2 + s * a3)), a1 + s * (2.0 * a2 + s * 3.0 * a3), a2 + 3.0 * a3 * s, a3
 
 
 class Stepping(Values):
@@ -50,21 +57,26 @@ class Stepping(Values):
             self._change(time, self.values[self._inputs])
         if not self._x:
             return
-        if self._advances:
-            self._x = self._advances(time, step, self._x, self._m, self._polynomials(), self._p, FLOATS)
-            return
-        done = 0.0
+        move, done, events = self._exactly if self._advances else self._integrate, 0.0, 0
         while self._next_event:
             event = self._next_event(time + done, self._m, self._p, FLOATS)
             due = event - time
             if not done < due < step * (1.0 - EVENT_TOLERANCE):
                 break
-            self._integrate(time, done, due)
-            done = due
+            if events == MAX_STEPS:
+                raise IntegrationError(f"more than {MAX_STEPS} events until t = {event}: take shorter steps")
+            move(time, done, due)
+            done, events = due, events + 1
             u = [a0 + due * (a1 + due * (a2 + due * a3)) for a0, a1, a2, a3 in self._polynomials()]
             # not time + due, which may round to just before the event
             self._x, self._m = self._transition(event, self._x, self._m, u, self._p, FLOATS)  # type: ignore[misc]
-        self._integrate(time, done, step)
+        move(time, done, step)
+
+    def _exactly(self, time: float, start: float, end: float) -> None:
+        """As `_integrate`, of a model that has a step of its own."""
+        cubics = [shifted(c, start) for c in self._polynomials()] if start else self._polynomials()
+        assert self._advances
+        self._x = self._advances(time + start, end - start, self._x, self._m, cubics, self._p, FLOATS)
 
     def _integrate(self, time: float, start: float, end: float) -> None:
         """Continuous state from ``time + start`` to ``time + end``."""

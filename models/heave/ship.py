@@ -11,7 +11,8 @@
 | m1, c1, K1 | mass with added mass, linear damping, water-plane stiffness | kg, N s/m, N/m |
 | R | ``reaction``: excess of the line's pull over its static value, positive down on the ship | N |
 
-With ``reaction`` not connected z = 0 and the unit is the pure driver that the SDOF models assume; connected, it is the
+With ``reaction`` not connected and no start displacement z = 0 and the unit is the pure driver that the SDOF models assume;
+connected, it is the
 two-way ship. The response is stepped exactly for a reaction that is a cubic of time over the step.
 
 Source: MIT thesis 1969, section II (sinusoidal heave of the vessel) and example 1 (m1, K1 of Lulu); the superposition
@@ -54,8 +55,18 @@ class Oscillator:
 
 
 @dataclass(frozen=True)
-class Parameters(Oscillator, FreeMotion):
-    """The motion without the line first, then the oscillator."""
+class Start:
+    """Where the oscillator begins: a free decay, where nothing else moves the ship."""
+
+    start_displacement: Annotated[
+        Value, parameter("m", 0.0, "Response at the start, as for a free decay", display="ft")
+    ] = 0.0
+    start_velocity: Annotated[Value, parameter("m/s", 0.0, "Its rate at the start", display="ft/s")] = 0.0
+
+
+@dataclass(frozen=True)
+class Parameters(Start, Oscillator, FreeMotion):
+    """The motion without the line first, then the oscillator, then its start."""
 
 
 class State(NamedTuple):
@@ -115,8 +126,8 @@ def free_motion(t: Value, p: Parameters, ops: Ops) -> tuple[Value, Value, Value]
 
 
 def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
-    """No response yet."""
-    return State(0.0, 0.0), Modes()
+    """At the start displacement, at rest where none is given."""
+    return State(p.start_displacement, p.start_velocity), Modes()
 
 
 def derivatives(t: Value, x: State, m: Modes, u: Inputs, p: Oscillator, ops: Ops) -> State:

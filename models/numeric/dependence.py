@@ -78,5 +78,9 @@ def _where(condition: Any, a: Any, b: Any) -> Any:
     return joined(bent(condition), a, b)
 
 
-TRACED = Ops(bent, bent, bent, bent, bent, bent, bent, bent, _where)
+def _kernel(kernel: Any, *arguments: Any) -> tuple[Any, ...]:
+    return (bent(*arguments),) * len(kernel.rates)
+
+
+TRACED = Ops(bent, bent, bent, bent, bent, bent, bent, bent, _where, kernel=_kernel)
 """The operations on `Traced` values."""

@@ -102,6 +102,10 @@ def duals(ops: Ops) -> Ops:
     def size(a: Any) -> Dual:
         return where(lift(a).value < 0.0, -lift(a), a)
 
+    def kernel(of: Any, t: Any, *rest: Any) -> tuple[Dual, ...]:
+        results = ops.kernel(of, lift(t).value, *(lift(a).value for a in rest))
+        return tuple(Dual(value, slope * lift(t).slope) for value, slope in zip(results, of.slopes(results)))
+
     return Ops(
         sin=lambda a: Dual(ops.sin(lift(a).value), ops.cos(lift(a).value) * lift(a).slope),
         cos=lambda a: Dual(ops.cos(lift(a).value), -ops.sin(lift(a).value) * lift(a).slope),
@@ -112,6 +116,7 @@ def duals(ops: Ops) -> Ops:
         minimum=lambda a, b: where(lift(a) < b, a, b),
         maximum=lambda a, b: where(lift(a) > b, a, b),
         where=where,
+        kernel=kernel,
     )
 
 

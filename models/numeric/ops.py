@@ -30,7 +30,8 @@ def not_spelled(*values: Value) -> Value:
 
 @dataclass(frozen=True)
 class Ops:
-    """The operations that model functions use. ``where(condition, a, b)`` is a where the condition holds, else b."""
+    """The operations that model functions use. ``where(condition, a, b)`` is a where the condition holds, else b;
+    ``kernel(kernel, t, ...)`` are the results of a `kernel.Kernel`."""
 
     sin: Callable[[Value], Value]
     cos: Callable[[Value], Value]
@@ -42,6 +43,7 @@ class Ops:
     maximum: Callable[[Value, Value], Value]
     where: Callable[[Value, Value, Value], Value]
     log1p: Callable[[Value], Value] = not_spelled
+    kernel: Callable[..., tuple[Value, ...]] = not_spelled
 
 
 FLOATS = Ops(
@@ -55,6 +57,7 @@ FLOATS = Ops(
     maximum=lambda a, b: a if a > b else b,
     where=lambda condition, a, b: a if condition else b,
     log1p=math.log1p,
+    kernel=lambda kernel, *arguments: kernel.run(*arguments),
 )
 
 

@@ -15,8 +15,8 @@ components everywhere (``x.velocity``); the Python FMU turns them into positions
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import KW_ONLY, dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, fields, replace
 from functools import lru_cache, wraps
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -83,7 +83,8 @@ class Model(Record, Generic[P, X, M, U, Y]):
     * ``refusal(p)``: why these parameters make no model, where that takes more than `requirements`; empty if they do.
     * ``tuning_refusal(p)``: why tunable parameters may not change while the model runs with p; empty if they may.
 
-    ``floats_only`` says why the functions cannot be traced, empty where they can. ``takes_second``: ``outputs`` takes the
+    ``floats_only`` says why the functions cannot be traced, empty where they can. ``structure`` names parameters that decide
+    sizes and tables, which a trace and a composition fix (`fixed`). ``takes_second``: ``outputs`` takes the
     second derivatives of the inputs after the first (parts of a composition alone). ``by_position``: components are read by
     position, so that plain tuples do for named ones. ``linear`` holds the matrices of a linear model; ``over(spelling)`` gives
     a model that is made of others with these spelled anew.
@@ -110,6 +111,7 @@ class Model(Record, Generic[P, X, M, U, Y]):
     refusal: Callable[[P], str] | None = None
     tuning_refusal: Callable[[P], str] | None = None
     floats_only: str = ""
+    structure: tuple[str, ...] = ()
     takes_second: bool = False
     by_position: bool = False
     linear: LinearModel | None = None
@@ -118,6 +120,18 @@ class Model(Record, Generic[P, X, M, U, Y]):
     def __post_init__(self) -> None:
         if self.linear is None and self.over is None:
             self.check_against(self.outputs.__module__)
+
+    def fixed(self, values: Mapping[str, float]) -> Model[P, X, M, U, Y]:
+        """The model whose parameters of ``values`` are these numbers, whatever it is given."""
+        if not values:
+            return self
+
+        def hold(p: Any) -> None:
+            for name, value in values.items():
+                object.__setattr__(p, name, value)
+
+        kind = type("Fixed", (self.Parameters,), {"__post_init__": hold, "__annotations__": {}})  # type: ignore[arg-type]
+        return replace(self, Parameters=dataclass(frozen=True)(kind))
 
     @property
     def documentation(self) -> str:

@@ -66,6 +66,22 @@ def heave_rao(omega: Value, speed: Value, cos_beta: Value, hull: Hull, ops: Ops,
     """Signed heave per wave amplitude at ``omega``, rad/s, ``speed``, m/s; 1 at omega = 0, and finite where a hull without
     breadth, undamped, is in resonance."""
     k = omega * omega / gravity
+    return _lift(omega, k, speed, cos_beta, hull, ops) * _sinc(0.5 * k * ops.abs(cos_beta) * hull.length, ops)
+
+
+def pitch_rao(omega: Value, speed: Value, cos_beta: Value, hull: Hull, ops: Ops, gravity: float = GRAVITY) -> Value:
+    """Pitch, bow down, per wave amplitude, rad/m, a quarter of a period ahead of the crest amidships: of long waves their
+    slope along the ship, k cos(beta)."""
+    k = omega * omega / gravity
+    s = 0.5 * k * cos_beta * hull.length
+    small = ops.abs(s) < 1e-2  # the first term left out is s^4/280 of it
+    safe = ops.where(small, 1.0, s)
+    slope = ops.where(small, s * (1.0 - 0.1 * s * s) / 3.0, (ops.sin(safe) - safe * ops.cos(safe)) / (safe * safe))
+    return _lift(omega, k, speed, cos_beta, hull, ops) * 6.0 / hull.length * slope
+
+
+def _lift(omega: Value, k: Value, speed: Value, cos_beta: Value, hull: Hull, ops: Ops) -> Value:
+    """eta kappa f, which heave and pitch share."""
     a = 1.0 - k * speed * cos_beta / ops.where(omega > 0.0, omega, 1.0)
     a2 = a * a
     kb, kt = k * hull.breadth, k * hull.draught
@@ -74,9 +90,8 @@ def heave_rao(omega: Value, speed: Value, cos_beta: Value, hull: Hull, ops: Ops,
     q = damping * a2
     eta = 1.0 / ops.sqrt(ops.maximum((1.0 - 2.0 * kt * a2) * (1.0 - 2.0 * kt * a2) + q * q, NEGLIGIBLE))
     f = ops.sqrt((1.0 - kt) * (1.0 - kt) + (damping * a) * (damping * a))
-    along = ops.abs(cos_beta)
-    depth = ops.where(hull.smith_oblique > 0.5, along, 1.0)
-    return eta * ops.exp(-kt * depth) * f * _sinc(0.5 * k * along * hull.length, ops)
+    depth = ops.where(hull.smith_oblique > 0.5, ops.abs(cos_beta), 1.0)
+    return eta * ops.exp(-kt * depth) * f
 
 
 def heave_moments(
@@ -114,23 +129,39 @@ class Components:
 @lru_cache(maxsize=32)
 def components(
     n: int, seed: int, gamma: float = 1.0, spread: int = -1, directions: int = 1,
-    band: tuple[float, float] = waves.BAND,
+    band: tuple[float, float] = waves.BAND, order: float = 1.0,
 ) -> Components:
-    """n components, long-crested for ``spread`` < 0, else cos^2s with s = ``spread`` over ``directions`` directions.
+    """n components of one peak, long-crested for ``spread`` < 0, else cos^2s with s = ``spread`` over ``directions``
+    directions. Raises ``ValueError`` as `waves` does."""
+    return listed(peak(n, gamma, spread, directions, band, order), seed)
+
+
+Row = tuple[float, float, float]
+"""Of a component: omega/omega_p, amplitude per significant height, direction relative to the mean one, rad."""
+
+
+def peak(
+    n: int, gamma: float, spread: int, directions: int, band: tuple[float, float] = waves.BAND, order: float = 1.0
+) -> list[Row]:
+    """The components of one peak.
 
     With directions, each has n/directions components from a Gauss rule of its own, on a band that reaches up to a tenth
-    higher, so that no two components share a frequency and a record tells as much as an ensemble. Raises ``ValueError``
-    as `waves` does."""
+    higher, so that no two components share a frequency and a record tells as much as an ensemble."""
     fan: Sequence[tuple[float, float]] = ((0.0, 1.0),) if spread < 0 else waves.spreading(spread, directions)
     fan = [(mu, share) for mu, share in fan if share > 1e-12]
     rows = []
     for j, (mu, share) in enumerate(fan):
         own = (band[0], band[1] * (1.0 + 0.1 * j / len(fan)))
-        for x, w in waves.gauss_rule(max(2, n // len(fan)), gamma, own):
-            rows.append((x, math.sqrt(share * w / 8.0), math.cos(mu), math.sin(mu)))
+        for x, w in waves.gauss_rule(max(2, n // len(fan)), gamma, own, order):
+            rows.append((x, math.sqrt(share * w / 8.0), mu))
+    return rows
+
+
+def listed(rows: Sequence[Row], seed: int) -> Components:
+    """Rows as columns, with phases."""
     return Components(
         tuple(r[0] for r in rows), tuple(r[1] for r in rows), waves.phases(seed, len(rows)),
-        tuple(r[2] for r in rows), tuple(r[3] for r in rows),
+        tuple(math.cos(r[2]) for r in rows), tuple(math.sin(r[2]) for r in rows),
     )  # fmt: skip
 
 

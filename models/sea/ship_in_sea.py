@@ -3,7 +3,7 @@
     x(t) = r(t) sum_i A_i(t) cos(phi_i(t)) + z(t),     m1 z'' + c1 z' + K1 z = -R(t)
     phi_i = x_i P - x_i^2 (cos(mu_i) C - sin(mu_i) D) + e_i
     P' = omega_p,   C' = omega_p^2 V cos(beta)/g,   D' = omega_p^2 V sin(beta)/g
-    A_i = RAO(x_i omega_p, V, beta + mu_i) sqrt(2 m0 w_i)
+    A_i = RAO(x_i omega_p, V, beta + mu_i) sqrt(2 m0 w_i)             closed form, or a table of responses
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -19,130 +19,52 @@ As x_i stays when the sea changes, a change of height, period, direction or spee
 ``update_interval`` the unit looks at its inputs, and over the next interval amplitudes, omega_p and the rates of C and
 D go over to the new sea by the ramp of `ship`. Its heave thus lags the sea by up to two intervals, its velocity
 is the exact derivative of its heave, and phases between two looks are closed forms: P, C and D advance once an
-interval, with the rounding error carried along, so that ten hours drift by less than 1e-9 rad.
+interval in which the sea changes, so that ten hours drift by less than 1e-9 rad. A look is an event: what was seen is held in
+modes. The sums over the components are those of `motion`.
 
 Assumptions: those of `waves`, `heave_response` and `ship`; (1) the sea changes little in one wave period
 (`margin_slow_sea`: the limit is a tenth of height, period or a radian of direction a wave period); (2) Froude number
-below 0.3 (`margin_froude`); (3) the line holds the ship at her centre.
+below 0.3 (`margin_froude`); (2a) waves long against draught and length, or a table of responses that holds the sea
+(`margin_strip`, `margin_response`); (3) the line's reaction moves the ship in heave alone, wherever the point is that holds it.
 
-Sources: as in `waves`, `heave_response`, `ship`. The components are tables made once from fixed parameters, with
-integer arithmetic for the phases: for floats, not for tracing.
+Sources: as in `waves`, `heave_response`, `ship`. Tables of components follow from the parameters in `STRUCTURE`, which a native
+build fixes; the seed is free there too.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Annotated, NamedTuple
 
 from ..heave import ship
-from ..numeric.ops import FLOATS, Ops, Value
-from ..numeric.oscillator import acceleration, exact_oscillation
-from ..numeric.ramp import ramp, ramp_integral
-from ..protocol.model import Model, Requirement
-from ..protocol.variables import Rate, input_variable, margin, output, parameter
-from . import heave_response, waves
-from .changing_sea import Heave, Sea, changing_heave, doppler, steady_heave
+from ..numeric.ops import Ops, Value
+from ..numeric.oscillator import acceleration
+from ..numeric.ramp import ramp
+from ..protocol.model import AnyModel, Model, Requirement
+from ..protocol.variables import Rate, margin, output
+from . import heave_response
+from .kernel import BEYOND, sea_kernel
+from .looks import CALM, Inputs, Modes, State, initial, next_event_time, transition
+from .motion import POINT
+from .response_table import ResponseTable
+from .seas import SeaTable, Shape
+from .ship_parameters import STRUCTURE, Parameters
 from .waves import GRAVITY
 
 SLOW = 0.1
 """Relative change a wave period at which a sea no longer changes slowly."""
-CALM = 0.1
-"""Least height from which a period follows, m."""
-
-
-@dataclass(frozen=True)
-class HullAndWaves:
-    """Box of the hull and components of the sea, SI."""
-
-    length: Annotated[Value, parameter("m", 100.0, "Length of the ship", display="ft", min=1e-3)]
-    breadth: Annotated[Value, parameter("m", 15.0, "Breadth", display="ft", min=1e-3)]
-    draught: Annotated[Value, parameter("m", 5.0, "Draught", display="ft", min=1e-3)]
-    block_coefficient: Annotated[Value, parameter("1", 0.7, "Block coefficient", min=0.1, max=1.0)]
-    smith_oblique: Annotated[
-        Value, parameter("1", 0.0, "Smith factor: 0 exp(-k T), 1 exp(-k |cos beta| T)", min=0.0, max=1.0)
-    ]
-    peakedness: Annotated[
-        Value, parameter("1", 1.0, "gamma of JONSWAP; 1: Bretschneider and Pierson-Moskowitz", min=1.0, max=10.0)
-    ]
-    components: Annotated[Value, parameter("1", 100.0, "Number of wave components", min=1.0, max=300.0)]
-    spreading: Annotated[
-        Value,
-        parameter("1", -1.0, "s of the directional distribution cos^2s; negative: long-crested", min=-1.0, max=40.0),
-    ]
-    directions: Annotated[Value, parameter("1", 8.0, "Number of wave directions, more than s + 2", min=1.0, max=48.0)]
-    seed: Annotated[Value, parameter("1", 1964.0, "Seed of the phases, a whole number", min=0.0, max=9e15)]
-    update_interval: Annotated[
-        Value, parameter("s", 10.0, "Time between looks at the sea, which it then follows smoothly", min=1e-3)
-    ]
-
-
-@dataclass(frozen=True)
-class Parameters(ship.Oscillator, HullAndWaves):
-    """Hull and waves first, then the oscillator of `ship`."""
-
-    @property
-    def hull(self) -> heave_response.Hull:
-        """Box of the hull."""
-        return heave_response.Hull(self.length, self.breadth * self.block_coefficient, self.draught, self.smith_oblique)
-
-    @cached_property
-    def sea(self) -> heave_response.Components:
-        """The components, made at first use."""
-        return heave_response.components(
-            round(self.components), round(self.seed), self.peakedness, round(self.spreading), round(self.directions)
-        )
-
-
-class State(NamedTuple):
-    """Response as in `ship`; P, C and D at the last look, rad, each with its rounding error; the time of the first look
-    and the number of the last; the sea that was left and the one that is approached; whether a step was done."""
-
-    response: Value
-    response_rate: Value
-    peak_phase: Value
-    peak_phase_low: Value
-    doppler_cos: Value
-    doppler_cos_low: Value
-    doppler_sin: Value
-    doppler_sin_low: Value
-    first_look: Value
-    looks: Value
-    old_height: Value
-    old_frequency: Value
-    old_direction: Value
-    old_speed: Value
-    new_height: Value
-    new_frequency: Value
-    new_direction: Value
-    new_speed: Value
-    under_way: Value
-
-
-class Modes(NamedTuple):
-    """No branches."""
-
-
-class Inputs(NamedTuple):
-    """The line as in `ship`, and the sea, which only the scene can know: its start values may be meant, or forgotten."""
-
-    reaction: ship.Reaction
-    wave_height: Annotated[Value, input_variable("m", "Significant wave height", start=2.0, display="ft")]
-    wave_period: Annotated[
-        Value, input_variable("s", "Peak period; 0: that of a Pierson-Moskowitz sea of this height", unset="as for 0")
-    ]
-    wave_direction: Annotated[
-        Value,
-        input_variable(
-            "rad", "Angle between the course and the waves' travel; pi head sea", start=math.pi, display="deg"
-        ),
-    ]
-    speed: Annotated[Value, input_variable("m/s", "Speed of the ship", display="kn")]
+TURN = 2.0 * math.pi
+LEAST_DRAUGHTS, LEAST_LENGTHS = 28.0, 1.65
+"""Length of the waves at the peak, in draughts, and in ship lengths along the ship, above which the closed form's heave is within
+20 % of that of panels: regular waves and seas, three hulls, three headings (``benchmarks/strip_theory.py``)."""
+BEYOND_SHARE, BEYOND_SPEED = 0.05, 0.5
+"""Where a table of responses ends: share of the wave energy beyond its frequencies, and m/s beyond its speeds."""
 
 
 class Outputs(NamedTuple):
-    """As in `ship`; ``significant_heave`` is four times the standard deviation of the heave without the line."""
+    """As in `ship`; ``significant_heave`` is four times the standard deviation of the heave without the line. Surge and sway are
+    those of the point that holds the line; axes and signs: `response_table`."""
 
     heave: ship.Heave
     velocity: ship.Velocity
@@ -150,6 +72,13 @@ class Outputs(NamedTuple):
     significant_heave: Annotated[
         Value, output("m", "Significant heave (double amplitude) without the line", display="ft")
     ]
+    surge: Annotated[Value, output("m", "Surge of the point, ahead; 0 without a table of responses", display="ft")]
+    sway: Annotated[Value, output("m", "Sway of the point, to port; 0 without a table of responses", display="ft")]
+    surge_velocity: Annotated[Value, output("m/s", "Surge velocity of the point, ahead", display="ft/s")]
+    sway_velocity: Annotated[Value, output("m/s", "Sway velocity of the point, to port", display="ft/s")]
+    roll: Annotated[Value, output("rad", "Roll, starboard down; 0 without a table of responses", display="deg")]
+    pitch: Annotated[Value, output("rad", "Pitch, bow down", display="deg")]
+    yaw: Annotated[Value, output("rad", "Yaw, bow to port; 0 without a table of responses", display="deg")]
     margin_sdof: Annotated[
         Value, margin("1 - |z| / (sdof_tolerance a), z the response to the line and a the significant amplitude")
     ]
@@ -157,144 +86,137 @@ class Outputs(NamedTuple):
     margin_slow_sea: Annotated[
         Value, margin("1 - change of the sea a wave period / 0.1, the worst of height, frequency and direction")
     ]
+    margin_strip: Annotated[
+        Value,
+        margin("1 - max(28 T, 1.65 L |cos beta|) / wave length at the peak: beyond, the closed form errs by 20 % against panels; "
+               "1 with a table of responses"),
+    ]
+    margin_response: Annotated[
+        Value,
+        margin("1 - share of the wave energy beyond the frequencies of the table of responses / 5 %, or 1 - speed beyond its "
+               "speeds / 0.5 m/s, the worse; 1 without a table"),
+    ]
     heave_rate: Rate
     velocity_rate: Rate
     free_heave_rate: Rate
+    surge_rate: Rate
+    sway_rate: Rate
+    surge_velocity_rate: Rate
+    sway_velocity_rate: Rate
+    roll_rate: Rate
+    pitch_rate: Rate
+    yaw_rate: Rate
 
 
 Calculated = ship.Calculated
 
 
-def sea_of(u: Inputs) -> Sea:
-    """The sea that the inputs describe."""
-    height = u.wave_height if u.wave_height > 0.0 else 0.0
-    frequency = waves.peak_frequency(height if height > CALM else CALM, u.wave_period)
-    return Sea(height, frequency, u.wave_direction, u.speed)
-
-
-def _seas(x: State) -> tuple[Sea, Sea]:
-    """The sea that was left, and the one that is approached."""
-    return (
-        Sea(x.old_height, x.old_frequency, x.old_direction, x.old_speed),
-        Sea(x.new_height, x.new_frequency, x.new_direction, x.new_speed),
-    )
-
-
-def free_motion(t: float, x: State, p: Parameters) -> Heave:
-    """Heave without the line, m, its rate and acceleration, and its variance, m2, without the ramp."""
-    old, new = _seas(x)
-    since, period = t - (x.first_look + x.looks * p.update_interval), p.update_interval
-    (c0, d0), (c1, d1) = doppler(old), doppler(new)
-    # how much of the new rates has come in since the last look, s
-    area = 0.0 if old == new else ramp_integral(since, period, FLOATS)
-    phases = (
-        x.peak_phase + (x.peak_phase_low + old.frequency * since + (new.frequency - old.frequency) * area),
-        x.doppler_cos + (x.doppler_cos_low + c0 * since + (c1 - c0) * area),
-        x.doppler_sin + (x.doppler_sin_low + d0 * since + (d1 - d0) * area),
-    )
-    if old == new:
-        return steady_heave(phases, old, p.sea, p.hull)
-    blending = ramp(min(1.0, max(0.0, since / period)) * period, period, FLOATS)
-    return changing_heave(phases, old, new, blending, p.sea, p.hull)
-
-
 def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
     """Enough directions for the spread (`waves`)."""
     text = "directions do not resolve cos^2s with s = spreading: give more than spreading + 2 directions"
-    enough = round(p.directions) - round(p.spreading) - 2
-    return ((enough if p.spreading >= 0.0 else 1.0, text),)
+    held = "point_y: the closed form has no roll, so that a point off the centre line needs a file of responses"
+    return (
+        (ops.where(p.spreading >= 0.0, p.directions - p.spreading - 2.0, 1.0), text),
+        (1.0 if p.responses else ops.where(ops.abs(p.point_y) > 0.0, -1.0, 1.0), held),
+    )
 
 
-def initial(p: Parameters, ops: Ops) -> tuple[State, Modes]:
-    """At rest; the sea is looked at with the first inputs."""
-    return State(*(0.0,) * 11, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), Modes()
+derivatives, advance = ship.derivatives, ship.advance
 
 
-def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
-    """Until the first step the sea at the start is what the inputs say."""
-    if x.under_way > 0.5:
-        return x, m
-    sea = sea_of(u)
-    return State(*x[:8], t, 0.0, *sea, *sea, 0.0), m
-
-
-def _carry(total: float, low: float, more: float) -> tuple[float, float]:
-    """total + low + ``more`` with the rounding error of the sum (T. J. Dekker's two-sum)."""
-    term = more + low
-    result = total + term
-    added = result - total
-    return result, (total - (result - added)) + (term - added)
-
-
-def advance(t: Value, h: Value, x: State, m: Modes, cubics: Inputs, p: Parameters, ops: Ops) -> State:
-    """Exact step of the response, as `ship.advance`, and the looks that fall due within the step."""
-    z, z_rate = x.response, x.response_rate
-    z, z_rate = exact_oscillation(h, z, z_rate, cubics.reaction, p.mass, p.damping, p.stiffness, ops)
-    x = State(z, z_rate, *x[2:18], 1.0)
-    interval = p.update_interval
-    while True:
-        due = x.first_look + (x.looks + 1.0) * interval
-        if due > (t + h) * (1.0 + 4e-16):
-            return x
-        s = due - t
-        x = _looked(x, sea_of(Inputs(*(a0 + s * (a1 + s * (a2 + s * a3)) for a0, a1, a2, a3 in cubics))), interval)
-
-
-def _looked(x: State, sea: Sea, interval: Value) -> State:
-    """The state after a look that finds ``sea``: phases at its time, and that sea the one to approach."""
-    old, new = _seas(x)
-    (c0, d0), (c1, d1) = doppler(old), doppler(new)
-    half = 0.5 * interval
-    return State(
-        x.response, x.response_rate,
-        *_carry(x.peak_phase, x.peak_phase_low, half * (old.frequency + new.frequency)),
-        *_carry(x.doppler_cos, x.doppler_cos_low, half * (c0 + c1)),
-        *_carry(x.doppler_sin, x.doppler_sin_low, half * (d0 + d1)),
-        x.first_look, x.looks + 1.0, *new, *sea, 1.0,
+def free_motion(t: Value, m: Modes, p: Parameters, signal: int, ops: Ops) -> tuple[Value, ...]:
+    """A motion of `motion.SIGNALS` without the line and without the ramp, m or rad, its first three time derivatives, and its
+    variance, m2 or rad2."""
+    shape = Shape(
+        p.components, p.peakedness, p.spreading, p.directions, p.order, p.second_share, p.second_frequency,
+        p.second_peakedness, p.second_order, p.second_direction,
+    )  # fmt: skip
+    return ops.kernel(
+        sea_kernel(shape, p.responses, p.spectrum), t, signal, *m[3:], p.update_interval, p.seed, p.length,
+        p.breadth * p.block_coefficient, p.draught, p.smith_oblique, p.point_x, p.point_y, p.point_z,
     )  # fmt: skip
 
 
 def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops) -> Outputs:
     """All observables. ``margin_sdof`` = 1 - |z|/(e a), a the significant amplitude of the free heave."""
-    value, rate, rate2, variance = free_motion(t, x, p)
-    r, r1, r2 = ramp(t, p.ramp_time, ops)
-    free, free_rate = r * value, r * rate + r1 * value
-    free_rate2 = r * rate2 + 2.0 * r1 * rate + r2 * value
+    (free, free_rate, free_rate2), variance = _free(t, m, p, POINT + 2, ops)
+    (surge, surge_rate, surge_rate2), _ = _free(t, m, p, POINT, ops)
+    (sway, sway_rate, sway_rate2), _ = _free(t, m, p, POINT + 1, ops)
+    (roll, roll_rate, _), _ = _free(t, m, p, 3, ops)
+    (pitch, pitch_rate, _), _ = _free(t, m, p, 4, ops)
+    (yaw, yaw_rate, _), _ = _free(t, m, p, 5, ops)
     z, z_rate = x.response, x.response_rate
     z_rate2 = acceleration(z, z_rate, u.reaction, p.mass, p.damping, p.stiffness)
-    deviation = math.sqrt(variance)
+    deviation = ops.sqrt(variance)
     limit = 2.0 * p.sdof_tolerance * deviation
-    sdof = 1.0 - abs(z) / limit if limit > 0.0 else 1.0
-    speed = max(abs(x.old_speed), abs(x.new_speed))
-    froude = 1.0 - speed / math.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
+    sdof = ops.where(limit > 0.0, 1.0 - ops.abs(z) / ops.where(limit > 0.0, limit, 1.0), 1.0)
+    speed = ops.maximum(ops.abs(m.old_speed), ops.abs(m.new_speed))
+    froude = 1.0 - speed / ops.sqrt(GRAVITY * p.length) / heave_response.FROUDE_LIMIT
     return Outputs(
-        free + z, free_rate + z_rate, free, 4.0 * deviation, sdof, froude, _slow(*_seas(x), p),
-        free_rate + z_rate, free_rate2 + z_rate2, free_rate,
+        free + z, free_rate + z_rate, free, 4.0 * deviation, surge, sway, surge_rate, sway_rate, roll, pitch, yaw,
+        sdof, froude, _slow(m, p, ops), _strip(m, p, ops), _covered(t, m, p, speed, ops),
+        free_rate + z_rate, free_rate2 + z_rate2, free_rate, surge_rate, sway_rate, surge_rate2, sway_rate2,
+        roll_rate, pitch_rate, yaw_rate,
     )  # fmt: skip
 
 
-def _slow(old: Sea, new: Sea, p: Parameters) -> float:
+def _free(t: Value, m: Modes, p: Parameters, signal: int, ops: Ops) -> tuple[tuple[Value, Value, Value], Value]:
+    """A motion without the line, its rate and acceleration; its variance without the ramp."""
+    value, rate, rate2, _, variance = free_motion(t, m, p, signal, ops)
+    r, r1, r2 = ramp(t, p.ramp_time, ops)
+    return (r * value, r * rate + r1 * value, r * rate2 + 2.0 * r1 * rate + r2 * value), variance
+
+
+def _strip(m: Modes, p: Parameters, ops: Ops) -> Value:
+    """How far the closed form is to be trusted, in the worse of both seas; 1 in a calm."""
+    if p.responses is not None:
+        return 1.0
+    worst: Value = 1.0
+    for height, frequency, direction in (
+        (m.old_height, m.old_frequency, m.old_direction), (m.new_height, m.new_frequency, m.new_direction)
+    ):  # fmt: skip
+        least = ops.maximum(LEAST_DRAUGHTS * p.draught, LEAST_LENGTHS * p.length * ops.abs(ops.cos(direction)))
+        margin = 1.0 - least * frequency * frequency / (TURN * GRAVITY)
+        worst = ops.minimum(worst, ops.where(height > CALM, margin, 1.0))
+    return worst
+
+
+def _covered(t: Value, m: Modes, p: Parameters, speed: Value, ops: Ops) -> Value:
+    """How far the table of responses reaches."""
+    if p.responses is None:
+        return 1.0
+    share = free_motion(t, m, p, BEYOND, ops)[0]
+    slowest, fastest = p.responses.speeds[0], p.responses.speeds[-1]
+    lowest, highest = ops.minimum(m.old_speed, m.new_speed), ops.maximum(m.old_speed, m.new_speed)
+    off = ops.maximum(0.0, ops.maximum(slowest - lowest, highest - fastest))
+    return ops.minimum(1.0 - share / BEYOND_SHARE, 1.0 - off / BEYOND_SPEED)
+
+
+def _slow(m: Modes, p: Parameters, ops: Ops) -> Value:
     """1 - (relative change of height, of frequency, and of direction in rad, a peak period)/0.1, the worst of them."""
-    height, frequency = max(old.height, new.height), max(new.frequency, old.frequency)
-    change = max(
-        abs(new.height - old.height) / height if height > CALM else 0.0,
-        abs(new.frequency - old.frequency) / frequency,
-        2.0 * abs(math.sin(0.5 * (new.direction - old.direction))) if height > CALM else 0.0,
-    )
-    slow: float = 1.0 - change * 2.0 * math.pi / frequency / p.update_interval / SLOW
-    return slow
+    height, frequency = ops.maximum(m.old_height, m.new_height), ops.maximum(m.new_frequency, m.old_frequency)
+    waves_there = height > CALM
+    of_height = ops.where(waves_there, ops.abs(m.new_height - m.old_height) / ops.maximum(height, CALM), 0.0)
+    turn = ops.where(waves_there, 2.0 * ops.abs(ops.sin(0.5 * (m.new_direction - m.old_direction))), 0.0)
+    change = ops.maximum(ops.maximum(of_height, ops.abs(m.new_frequency - m.old_frequency) / frequency), turn)
+    return 1.0 - change * TURN / frequency / p.update_interval / SLOW
 
 
 def calculated(p: Parameters, ops: Ops) -> ship.Calculated:
     """Constants of the heave oscillator, as in `ship`."""
-    return ship.calculated(p, FLOATS)
+    return ship.calculated(p, ops)
 
 
-SHIP_IN_SEA = Model(
+def given(responses: ResponseTable | None = None, spectrum: SeaTable | None = None) -> AnyModel:
+    """The model with what files say."""
+    kind = type("Given", (Parameters,), {"responses": responses, "spectrum": spectrum, "__annotations__": {}})
+    return replace(SHIP_IN_SEA, Parameters=dataclass(frozen=True)(kind))
+
+
+SHIP_IN_SEA: AnyModel = Model(
     "ship_in_sea",
-    "Ship in an irregular sea: closed-form heave response, plus that of its oscillator to the line",
+    "Ship in an irregular sea: heave by a closed form or six motions by a table, plus the response to the line",
     Parameters, State, Modes, Inputs, Outputs, Calculated,
-    initial=initial, advance=advance, outputs=outputs, transition=transition, calculated=calculated,
-    requirements=requirements,
-    floats_only="its components are tables made from the seed in integer arithmetic, and their number is a parameter",
+    initial=initial, derivatives=derivatives, advance=advance, outputs=outputs, transition=transition,
+    next_event_time=next_event_time, calculated=calculated, requirements=requirements, structure=STRUCTURE,
 )  # fmt: skip

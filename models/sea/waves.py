@@ -20,8 +20,9 @@ outside the band carry nothing (0.5 % of m0 for 0.45 ... 4); (4) the autocorrela
 the spectrum for about 2 n seconds at Tp = 12 s (to 1e-3: 210 s for 100, 427 s for 200).
 
 Sources: W. J. Pierson, L. Moskowitz, J. Geophys. Res. 69 (1964) 5181-5190 (alpha = 0.0081); K. Hasselmann et al.,
-Dtsch. Hydrogr. Z. A8-12 (1973); W. Gautschi, Orthogonal Polynomials (2004), 2.2 (Stieltjes) and 1.4.1 (Golub-Welsch);
-G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014 (SplitMix64). Range: Hs > 0, Tp > 0, 1 <= gamma <= 10.
+Dtsch. Hydrogr. Z. A8-12 (1973); M. K. Ochi, E. N. Hubble, Proc. 15th Coastal Engineering Conf. (1976) 301-328 (order lambda);
+W. Gautschi, Orthogonal Polynomials (2004), 2.2 (Stieltjes) and 1.4.1 (Golub-Welsch); G. L. Steele, D. Lea, C. H. Flood,
+OOPSLA 2014 (SplitMix64). Range: Hs > 0, Tp > 0, 1 <= gamma <= 10, 0.3 <= lambda <= 20.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
+
+from ..numeric.ops import FLOATS, Ops, Value
 
 GRAVITY = 9.80665
 PHILLIPS = 0.0081
@@ -45,15 +48,25 @@ def peak_frequency(height: float, period: float = 0.0, gravity: float = GRAVITY)
     (4 alpha 4/5)^(1/4) sqrt(g/Hs) = 0.40124 sqrt(g/Hs)."""
     if period > 0.0:
         return 2.0 * math.pi / period
-    return math.sqrt(math.sqrt(3.2 * PHILLIPS) * gravity / height)
+    return float(steepest_frequency(height, FLOATS, gravity))
 
 
-def shape(x: float, gamma: float = 1.0) -> float:
-    """b(x), the spectrum for m0 = omega_p = 1; ``gamma`` = 1: Bretschneider and Pierson-Moskowitz."""
+def steepest_frequency(height: Value, ops: Ops, gravity: float = GRAVITY) -> Value:
+    """omega_p, rad/s, of a Pierson-Moskowitz sea of ``height``, m."""
+    return ops.sqrt(math.sqrt(3.2 * PHILLIPS) * gravity / height)
+
+
+def shape(x: float, gamma: float = 1.0, order: float = 1.0) -> float:
+    """b(x), the spectrum for m0 = omega_p = 1; ``gamma`` = 1: Bretschneider and Pierson-Moskowitz, of another ``order``
+    lambda one of the two of Ochi and Hubble."""
     if x <= 0.2:
         return 0.0  # below exp(-780)
-    b = 5.0 * x**-5 * math.exp(-1.25 * x**-4)
-    return b if gamma == 1.0 else b * _normalisation(gamma) * _peak(x, gamma)
+    if order == 1.0:
+        b = 5.0 * x**-5 * math.exp(-1.25 * x**-4)
+    else:
+        c = order + 0.25
+        b = 4.0 * math.exp(order * math.log(c) - math.lgamma(order) - (4.0 * order + 1.0) * math.log(x) - c * x**-4)
+    return b if gamma == 1.0 else b * _normalisation(gamma, order) * _peak(x, gamma)
 
 
 def _peak(x: float, gamma: float) -> float:
@@ -63,9 +76,9 @@ def _peak(x: float, gamma: float) -> float:
 
 
 @lru_cache(maxsize=64)
-def _normalisation(gamma: float) -> float:
+def _normalisation(gamma: float, order: float = 1.0) -> float:
     """C such that b keeps m0 = 1: 1/C = 1 + int b_1 (gamma^r - 1) dx, which vanishes away from the peak."""
-    excess = sum(w * shape(x) * (_peak(x, gamma) - 1.0) for x, w in _points(0.2, 2.2))
+    excess = sum(w * shape(x, 1.0, order) * (_peak(x, gamma) - 1.0) for x, w in _points(0.2, 2.2))
     return 1.0 / (1.0 + excess)
 
 
@@ -118,15 +131,22 @@ def integrate(f: Callable[[float], float], low: float, high: float) -> float:
 
 
 @lru_cache(maxsize=32)
-def gauss_rule(n: int, gamma: float = 1.0, band: tuple[float, float] = BAND) -> tuple[tuple[float, float], ...]:
+def gauss_rule(
+    n: int, gamma: float = 1.0, band: tuple[float, float] = BAND, order: float = 1.0
+) -> tuple[tuple[float, float], ...]:
     """(x_i, w_i) of the n-point Gauss rule of b(x) dx on ``band``, ascending: sum w_i x_i^k is its k-th moment for
-    k < 2n. Raises ``ValueError`` unless 1 <= n <= 300 and 0 < band[0] < band[1],, and where the band
+    k < 2n. Raises ``ValueError`` unless 1 <= n <= 300 and 0 < band[0] < band[1], and where the band
     carries nothing."""
     if not (1 <= n <= 300 and 0.0 < band[0] < band[1]):
         raise ValueError(f"{n} components on {band}: expected 1 to 300 on a band 0 < low < high")
-    points = [(x, w * shape(x, gamma)) for x, w in _points(*band)]
+    points = [(x, w * shape(x, gamma, order)) for x, w in _points(*band)]
     if not math.fsum(w for _, w in points) > 1e-200:  # a share of m0; of less the polynomials overflow
         raise ValueError(f"a band of {band[0]} to {band[1]} peak frequencies carries no energy: waves begin at 0.23 of them")
+    return rule_of(points, n)
+
+
+def rule_of(points: Sequence[tuple[float, float]], n: int) -> tuple[tuple[float, float], ...]:
+    """(x_i, w_i) of the n-point Gauss rule of a measure given by many (x, weight), ascending; n is at most their number."""
     diagonal, beside, total = _stieltjes(points, n)
     nodes, first = _eigen(diagonal, beside)
     return tuple(sorted((x, total * v * v) for x, v in zip(nodes, first)))

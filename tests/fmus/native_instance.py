@@ -12,6 +12,7 @@ from towage.fmus.native.build import runtime_sources
 from towage.fmus.native.compiler import compiler, host
 from towage.fmus.native.source import model_source, unit_source
 from towage.fmus.native.traced import Traced
+from towage.models.numeric.kernel import Kernel
 
 FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-fPIC")
 DONE, REFUSED, NO_STEP = range(3)
@@ -23,11 +24,12 @@ TOLERANT = {"model.c"}
 """Generated files, in which unused variables are no mistake."""
 
 
-def compile_library(names: Iterable[str], path: Path, **more: str) -> ctypes.CDLL:
+def compile_library(names: Iterable[str], path: Path, kernels: Sequence[Kernel] = (), **more: str) -> ctypes.CDLL:
     """The library of the runtime's files ``names`` and of ``more``, text by name without suffix; all symbols visible."""
     folder = path.parent / f"{path.stem}_sources"
     folder.mkdir()
-    for name, text in (runtime_sources(2) | {f"{name}.c": text.encode() for name, text in more.items()}).items():
+    texts = runtime_sources(2, kernels) | {f"{name}.c": text.encode() for name, text in more.items()}
+    for name, text in texts.items():
         (folder / name).write_bytes(text)
     objects = []
     for name in (*names, *(f"{name}.c" for name in more)):
@@ -44,9 +46,11 @@ def unit_library(traced: Traced, directory: Path) -> ctypes.CDLL:
         '#include "instance.h"\nconst char *message(Instance *);\n'
         "const char *message(Instance *it) { return it->message; }\n"
     )
-    runtime = [name for name in runtime_sources(2) if name.endswith(".c") and not name.startswith("fmi")]
+    names = runtime_sources(2, traced.kernels)
+    runtime = [name for name in names if name.endswith(".c") and not name.startswith("fmi")]
     library = compile_library(
-        runtime, directory / "unit.so", look=look, model=model_source(traced.functions), unit=unit_source(traced, "token")
+        runtime, directory / "unit.so", traced.kernels, look=look, model=model_source(traced.functions),
+        unit=unit_source(traced, "token"),
     )
     library.instance_new.restype, library.message.restype = ctypes.c_void_p, ctypes.c_char_p
     return library

@@ -31,7 +31,8 @@ LINEAR: dict[str, tuple[str, dict[str, float]]] = {
 }
 """Unit and structure: few states, so that many runs begin in the time."""
 EXAMPLE = "linear_example"
-SMALL = tuple(name for name in NATIVE if name not in (*LINEAR, "voyage"))
+LARGE = ("voyage", "ship_in_sea", "playback")
+SMALL = tuple(name for name in NATIVE if name not in (*LINEAR, *LARGE))
 
 
 def usable(unit: Unit) -> Unit:
@@ -94,7 +95,7 @@ def test_many_random_calls(name: str, seed: int, fuzz: Callable[[str, int, int],
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", (*LINEAR, "voyage"))
+@pytest.mark.parametrize("name", (*LINEAR, *LARGE))
 def test_many_random_calls_of_larger_units(name: str, fuzz: Callable[[str, int, int], str]) -> None:
     calls, good = accepted(fuzz(name, 7, 100_000))
     assert calls == 100_000

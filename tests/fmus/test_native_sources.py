@@ -16,7 +16,7 @@ from towage.fmus.native.constants import COUNTS, LISTS, NUMBERS
 ROOT = Path(__file__).parents[2]
 STANDARD = re.compile(r"fmi[23](Functions|FunctionTypes|TypesPlatform|PlatformTypes)\.h")
 """Headers that the standard publishes, which stay as they are."""
-FOLDERS = ("core", "linear", "chain", "instance", "fmi2", "fmi3")
+FOLDERS = ("core", "kernel", "linear", "chain", "instance", "fmi2", "fmi3")
 """Each may use those before it, but neither version of FMI the other."""
 OWN = [file for file in sorted(RUNTIME.rglob("*.[ch]")) if not STANDARD.fullmatch(file.name)]
 ENSEMBLE = sorted((RUNTIME.parent / "ensemble").glob("*.[ch]"))
@@ -161,4 +161,4 @@ def test_generated_headers_are_part_of_the_sources() -> None:
         sources = runtime_sources(fmi)
         assert b"#define TIME_TOLERANCE 1e-09 " in sources["constants.h"]
         assert b"k[6]" in sources["stages.h"]
-        assert set(sources) >= {file.name for file in OWN if file.parent.name not in (f"fmi{5 - fmi}", "chain")}
+        assert set(sources) >= {file.name for file in OWN if file.parent.name not in (f"fmi{5 - fmi}", "chain", "kernel")}

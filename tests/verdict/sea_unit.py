@@ -58,9 +58,14 @@ def outputs(t: Value, x: ship.State, m: ship.Modes, u: ship.Inputs, du: ship.Inp
     return Outputs(free + z, velocity, free, velocity, free_rate2 + z_rate2, free_rate)
 
 
+def initial(p: Any, ops: Ops) -> tuple[ship.State, ship.Modes]:
+    """At rest."""
+    return ship.State(0.0, 0.0), ship.Modes()
+
+
 SHIP_IN_WAVES = Model(
     "ship_in_waves", "Ship in a sea of given components, for tests", Parameters, ship.State, ship.Modes, ship.Inputs, Outputs,
-    ship.Calculated, initial=ship.initial, derivatives=ship.derivatives, advance=ship.advance, outputs=outputs,
+    ship.Calculated, initial=initial, derivatives=ship.derivatives, advance=ship.advance, outputs=outputs,
     calculated=ship.calculated,
 )  # fmt: skip
 

@@ -66,6 +66,8 @@ class Engine:
                 part.stop - first, _at(rows[part]), len(times), _at(times), accuracy, len(columns), _at(chosen),
                 _at(series[part]), _at(low[part]), _at(high[part]), _at(status[part]), _at(when[part]),
             )  # fmt: skip
+            if steps < 0:
+                raise TowageError("there is no memory for the members of an ensemble: ask for fewer threads")
             return steps
 
         with ThreadPoolExecutor(threads) as pool:
@@ -76,12 +78,14 @@ class Engine:
 def _library(text: Text) -> ctypes.CDLL:
     """The compiled text, from the cache if it is there."""
     from towage.fmus.native.compiler import compiler, host
-    from towage.fmus.native.ensemble.build import FLAGS, SOURCES, library
+    from towage.fmus.native.ensemble.build import FLAGS, library, sources_of
+    from towage.fmus.native.kernels import tables_source
 
     command = compiler(host())
     digest = hashlib.sha256("\0".join((text.text, *FLAGS, *command, _version(*command), _machine())).encode())
-    for path in sorted(path for path in SOURCES.iterdir() if path.suffix in (".c", ".h")):
+    for path in sources_of(text):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    digest.update(tables_source(text.traced.kernels).encode())
     place = cache() / "ensemble" / f"{digest.hexdigest()[:24]}.so"
     if not place.is_file():
         built = library(text)

@@ -175,11 +175,20 @@ def entry(fmu: str, parameters: Mapping[str, Any], inputs: Mapping[str, Any] | N
 
 
 def moved(scene: Scene, folder: os.PathLike[str]) -> Scene:
-    """The scene for a file in ``folder``: paths of FMUs are relative to it."""
+    """The scene for a file in ``folder``: paths of FMUs and of files that units carry are relative to it."""
     base = scene.file.parent if scene.file else ""
+
+    def there(path: str) -> str:
+        return os.path.relpath(os.path.join(base, path), folder)
+
     units = {
-        name: structs.replace(unit, fmu=os.path.relpath(os.path.join(base, unit.fmu), folder))
-        if unit.fmu.endswith(".fmu") else unit
+        name: structs.replace(
+            unit, fmu=there(unit.fmu) if unit.fmu.endswith(".fmu") else unit.fmu,
+            files={
+                kind: {**given, "file": there(given["file"])} if isinstance(given, dict) else there(given)
+                for kind, given in unit.files.items()
+            },
+        )
         for name, unit in scene.units.items()
     }  # fmt: skip
     return structs.replace(scene, units=units)

@@ -9,8 +9,9 @@ from towage.errors import SceneError
 from towage.fmus import UNITS
 from towage.fmus.declare.scene_unit import Part
 from towage.fmus.declare.scene_unit import scene_unit as declared
-from towage.fmus.declare.unit import Unit, load
+from towage.fmus.declare.unit import Unit
 from towage.models.compose.plan import CompositionError, Connection
+from towage.scene.files import declared as unit_in
 from towage.scene.resolve import ResolvedScene, described
 from towage.scene.select import select
 from towage.units.store import locator
@@ -31,7 +32,7 @@ def unit_of(resolved: ResolvedScene, name: str) -> Unit:
             raise scene.error(f"{entry.fmu} is an FMU: only the shipped units can be composed", f"units.{part}.fmu")
         given = resolved.units[part].parameters
         values = {name: value for name, value in given.items() if isinstance(value, float)}
-        parts.append(Part(part, load(entry.fmu), values))
+        parts.append(Part(part, unit_in(scene, part), values))
     if changed := [c for c in resolved.connections if c.offset or c.values]:
         raise scene.error(f"{changed[0]} adds an offset or looks values up, which cannot be composed", "connections")
     connections = [

@@ -9,6 +9,7 @@ whether there is one but which. ``segments = 0``, as many as the tolerance needs
 from __future__ import annotations
 
 import functools
+import hashlib
 import importlib.util
 from collections.abc import Callable
 from pathlib import Path
@@ -16,8 +17,10 @@ from typing import Literal, get_args
 
 from msgspec.structs import replace
 
+from towage.data.given import Given
 from towage.errors import FmuError
 from towage.registry import UNITS
+from towage.scene.files import carried
 from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
 from towage.units.archive import read_description
@@ -50,7 +53,8 @@ def _with_flavours(resolved: ResolvedScene, fmus: Path | None, flavour: Flavour,
     for name, unit in resolved.units.items():
         shipped = resolved.scene.units[name].fmu
         if not shipped.endswith(".fmu"):
-            unit = _chosen(unit, shipped, fmus, flavour, say)
+            data = carried(resolved.scene, name)
+            unit = _with_data(unit, data, flavour, say) if data else _chosen(unit, shipped, fmus, flavour, say)
         units[name] = replace(unit, flavour=flavour_of(unit.description))
     return replace(resolved, units=units)
 
@@ -91,6 +95,38 @@ def _chosen(unit: ResolvedUnit, shipped: str, fmus: Path | None, flavour: Flavou
     return _with(unit, read_description(_build(shipped, place.parent, structure)), structure)
 
 
+def _with_data(unit: ResolvedUnit, data: Given, flavour: Flavour, say: Say) -> ResolvedUnit:
+    """As `_chosen`, of a unit that carries data."""
+    if flavour == "python" or (flavour == "auto" and not data.native_folder().is_dir()):
+        return unit
+    structure = _structure(unit, data.name)
+    assert structure is not None
+    place = _place(data.native_folder(), data.name, structure)
+    if not place.is_file():
+        if flavour == "auto":
+            return unit
+        say(f"building native {data.name} with its files")
+        _build_given(data, place, structure)
+    return _with(unit, read_description(place), structure)
+
+
+def _place(folder: Path, name: str, structure: Structure) -> Path:
+    shape = ",".join(f"{parameter}={value:g}" for parameter, value in sorted(structure.items()))
+    return folder / hashlib.sha256(shape.encode()).hexdigest()[:16] / f"{name}.fmu"
+
+
+def _build_given(data: Given, place: Path, structure: Structure) -> None:
+    if not importlib.util.find_spec("casadi"):
+        raise FmuError(f"native {data.name} is not built yet, and building takes CasADi: {REMEDY}")
+    from towage.fmus.native.build import build_unit
+    from towage.fmus.native.compiler import CompileError
+
+    try:
+        build_unit(data.unit, place.parent, structure=structure)
+    except CompileError as error:
+        raise FmuError(f"native {data.name} cannot be built: {error}; {REMEDY}") from error
+
+
 def _build(shipped: str, directory: Path, structure: Structure) -> Path:
     """The native FMU, built now. Raises `FmuError` that says what is missing."""
     if not importlib.util.find_spec("casadi"):
@@ -114,11 +150,13 @@ def _structure(unit: ResolvedUnit, shipped: str) -> Structure | None:
     from towage.fmus.declare.unit import load
 
     declared = load(shipped)
-    if not declared.model.linear:
+    if not declared.model.linear and not declared.model.structure:
         return {}
     variables = unit.description.by_name()
     names = [v.name for v in declared.parameters if v.name in variables]
     values = {name: float(unit.parameters.get(name, variables[name].start or 0.0)) for name in names}
+    if not declared.model.linear:
+        return {name: values[name] for name in declared.model.structure}
     try:
         return _size(shipped, tuple(values.items()))
     except ValueError:

@@ -17,11 +17,13 @@ Seconds = Annotated[float, msgspec.Meta(extra={"unit": "s"})]
 
 class UnitEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``[units.NAME]``: a shipped unit's name or the path of an .fmu, and values as written. ``inputs`` are constants for
-    inputs that nothing is connected to; ``parameters`` may hold such constants too, as before there was a table for them."""
+    inputs that nothing is connected to; ``parameters`` may hold such constants too, as before there was a table for them.
+    ``files``: what a shipped unit is to carry, by kind, each a path or a table with ``file`` and options (`towage.data`)."""
 
     fmu: str
     parameters: dict[str, Value] = {}
     inputs: dict[str, Value] = {}
+    files: dict[str, Any] = {}
 
     @property
     def values(self) -> dict[str, Value]:

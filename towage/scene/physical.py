@@ -13,6 +13,7 @@ from towage.fmus.declare.unit import Unit
 from towage.models.numeric.ops import FLOATS
 from towage.models.protocol.model import refusal_of
 from towage.registry import UNITS
+from towage.scene.files import declared
 from towage.scene.values import Names
 from towage.units.description import Value
 
@@ -21,7 +22,7 @@ def check_physical(names: Names, values: Mapping[str, Mapping[str, Value]]) -> N
     """Refuses parameters that the model of a shipped unit does not take; ``values`` are those that the scene gives to each
     unit, SI. Raises `SceneError` with the numbers."""
     for unit, entry in names.scene.units.items():
-        if entry.fmu in UNITS.own and (reason := _refused(UNITS.get(entry.fmu), values[unit])):
+        if entry.fmu in UNITS.own and (reason := _refused(declared(names.scene, unit), values[unit])):
             raise names.fault(reason, f"units.{unit}.parameters")
 
 

@@ -14,14 +14,14 @@ from typing import NamedTuple
 import msgspec
 from msgspec.structs import replace
 
-from towage.errors import SceneError, TowageError
+from towage.errors import SceneError
 from towage.registry import SCHEMES
+from towage.scene.files import descriptions_of
 from towage.scene.inputs import check_constants, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.transform import carried
 from towage.scene.values import Names, Values, with_article
-from towage.units.archive import read_description
 from towage.units.conventions import has
 from towage.units.description import Description, Value, Variable
 from towage.units.loops import loops_of, presumed
@@ -109,28 +109,6 @@ def check_all(scene: Scene, locate: Locate) -> tuple[str, ...]:
 def warned(scene: Scene, locate: Locate) -> tuple[str, ...]:
     """What is taken in a scene that `check_all` passed, although something is wrong with it."""
     return _resolved(scene, descriptions_of(scene, locate)).warnings
-
-
-def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
-    """What the FMUs of a scene's units say of themselves, each file read once. Raises what `described` raises."""
-    paths = {name: _path(scene, name, entry.fmu, locate) for name, entry in scene.units.items()}
-    read = {path: read_description(path) for path in dict.fromkeys(paths.values())}
-    return {name: read[path] for name, path in paths.items()}
-
-
-def _path(scene: Scene, name: str, fmu: str, locate: Locate) -> Path:
-    key = f"units.{name}.fmu"
-    if fmu.endswith(".fmu"):
-        path = (scene.file.parent if scene.file else Path()) / fmu
-        if not path.is_file():
-            raise scene.error(f"there is no file {path}", key)
-        return path
-    try:
-        return locate(fmu)
-    except TowageError:
-        raise
-    except (LookupError, OSError) as error:
-        raise scene.error(f"no unit {fmu!r} ({error}): expected a shipped unit or the path of an .fmu", key) from error
 
 
 def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: bool = False) -> ResolvedScene:

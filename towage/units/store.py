@@ -12,10 +12,14 @@ import os
 from collections.abc import Callable, Mapping
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from towage.errors import FmuError
 from towage.files import reason
 from towage.registry import UNITS
+
+if TYPE_CHECKING:
+    from towage.fmus.declare.unit import Unit
 
 Locate = Callable[[str], Path]
 """From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
@@ -80,6 +84,25 @@ def _python(name: str, directory: Path) -> Path:
         raise FmuError(f"the unit {name!r} cannot be built: {error}") from error
     except OSError as error:
         raise FmuError(f"cannot be built: {reason(error)}. TOWAGE_CACHE may name another place", file=directory) from error
+
+
+def python_given(name: str, text: str, unit: Unit) -> Path:
+    """The Python FMU of the shipped unit ``name`` that carries the data in ``text``, a module of its own, built into the cache
+    where it is not there or damaged. Raises `FmuError`."""
+    from towage.fmus.declare.unit import BuildError
+    from towage.fmus.describe import archive
+    from towage.fmus.python.build import build_unit
+
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    place = cache() / "fmus" / f"{sources_digest()}-{metadata.version('pythonfmu')}" / f"given-{digest}" / f"{name}.fmu"
+    if archive.read(place):
+        return place
+    try:
+        return build_unit(unit, f"fmus.{name}_data:UNIT", place.parent, {f"fmus.{name}_data": text.encode()})[0]
+    except BuildError as error:
+        raise FmuError(f"the unit {name!r} cannot be built with its files: {error}") from error
+    except OSError as error:
+        raise FmuError(f"cannot be built: {reason(error)}. TOWAGE_CACHE may name another place", file=place) from error
 
 
 def native_place(name: str, structure: Structure) -> Path:

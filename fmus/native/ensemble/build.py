@@ -24,6 +24,7 @@ from ....models.numeric.tableaus import Tableau
 from ...declare.unit import Unit
 from ..compiler import compiler, host, output_of
 from ..constants import definitions
+from ..kernels import sources as kernel_sources
 from ..stages import combination, stage_lines
 from ..trace import trace
 from ..traced import NotNative, Traced, column
@@ -144,6 +145,18 @@ class Writer:
             f"an ensemble has no operation number {op} of CasADi {ca.CasadiMeta.version()}: add it to UNARY or BINARY"
         )
 
+    def called(self, of: Sequence[Name], results: int) -> list[Name]:
+        """The results of a kernel, whose number is the last argument."""
+        *arguments, number = map(self.number, of)
+        key = ("kernel", number, *arguments)
+        if key not in self.known:
+            self.count += 1
+            self.known[key] = name = Name(f"kernel_{self.count}", NUMBER, MOVING)
+            places = ", ".join(self.used(argument) for argument in arguments)
+            call = f"kernel_lanes((int){number.text}[0], (const V[]){{{places}}}, {len(arguments)}, {name.text}, {results});"
+            self.lines[MOVING].extend([f"    V {name.text}[{results}];", f"    {call}"])
+        return [Name(f"{self.known[key].text}[{k}]", NUMBER, MOVING) for k in range(results)]
+
     def function(self, signature: str, f: ca.Function, arguments: Sequence[str], results: Sequence[str]) -> str:
         """``f`` as a C function. ``arguments``: t, x, m or q for those of ``f``; ``results``: arrays in the text, or
         "return"."""
@@ -160,6 +173,9 @@ class Writer:
                 work[to[0]] = self.value("{0}", source) if level < MOVING else source
             elif op == ca.OP_CONST:
                 work[to[0]] = Name(f"all({_literal(f.instruction_constant(k))})")
+            elif op == ca.OP_CALL:
+                for place, name in zip(to, self.called([work[i] for i in of], len(to))):
+                    work[place] = name
             elif op == ca.OP_OUTPUT:
                 value = self.used(self.number(work[of[0]]))
                 target = results[to[0]]
@@ -215,15 +231,27 @@ def text(unit: Unit, observed: Sequence[str], method: Tableau = METHOD) -> Text:
     sizes = {"NQ": np_ + ni, "NC": len(writer.slots), "NX": nx, "NM": nm, "NG": indicated.numel(), "NY": len(observed),
              "STAGES": len(method.c), "ERRORS": len(method.error), "ORDER": method.order}  # fmt: skip
     shared = definitions("SAFETY", "MOST_GROWTH", "LEAST_GROWTH", "RESCUE", "NO_NUMBER", "LANDING")
-    head = ['#include "lanes.h"', "", *(f"#define {name} {size}" for name, size in sizes.items()), *shared, ""]
+    kernels = ['#include "kernels.h"'] if traced.kernels else []
+    head = [
+        '#include "lanes.h"', *kernels, "", *(f"#define {name} {size}" for name, size in sizes.items()), *shared, ""
+    ]  # fmt: skip
     return Text("\n".join([*head, prepare, branch, *body, _stages(method)]), unit, tuple(observed), traced)
 
 
 def library(source: Text) -> bytes:
     """The shared library of ``native/ensemble`` with that text, for this machine. Raises `CompileError`."""
-    files = {path.name: path.read_bytes() for path in sorted(SOURCES.iterdir()) if path.suffix in (".c", ".h")}
-    command = [*compiler(host()), *FLAGS, "ensemble.c", "-o", "ensemble.so", "-lm"]
+    files = {path.name: path.read_bytes() for path in sources_of(source)}
+    if source.traced.kernels:
+        files |= kernel_sources(source.traced.kernels)
+    texts = sorted(name for name in files if name.endswith(".c"))
+    command = [*compiler(host()), *FLAGS, *texts, "-o", "ensemble.so", "-lm"]
     return output_of(command, files | {"model.h": source.text.encode()}, "ensemble.so")
+
+
+def sources_of(source: Text) -> list[Path]:
+    """The files that serve all ensembles, with those of kernels where there are any."""
+    folders = [SOURCES, *([SOURCES.parent / "runtime" / "kernel"] if source.traced.kernels else [])]
+    return [path for folder in folders for path in sorted(folder.iterdir()) if path.suffix in (".c", ".h")]
 
 
 def _literal(value: float) -> str:

@@ -140,13 +140,16 @@ static void advance(Block *b)
 /* ``members`` of them from t = 0 to the last time. ``q`` has a row of NQ a member; ``series`` (member, time, chosen
  * column),
  * ``low`` and ``high`` (member, NY) take results; ``status`` and ``when`` tell what ended a member before its time.
- * Returns the number of steps tried, in blocks. */
+ * Returns the number of steps tried, in blocks; -1 where there is no memory. */
 EXPORT long run(long members, const double *q, long count, const double *times, double rtol, long chosen,
                 const long *columns, double *series, double *low, double *high, long *status, double *when)
 {
     Task task = {count, chosen, times, columns, rtol, times[0]};
     long steps = 0;
     for (long k = 1; k < count; k++) task.longest = fmax(task.longest, times[k] - times[k - 1]);
+#ifdef KERNELS
+    if (!kernels_begin()) return -1;
+#endif
     for (long first = 0; first < members; first += LANES) {
         V row[NQ + 1];
         Block b = {.task = &task, .active = (I)(all(0.0) == all(0.0))};
@@ -177,5 +180,8 @@ EXPORT long run(long members, const double *q, long count, const double *times, 
                 high[(first + l) * NY + i] = b.high[i][l];
             }
     }
+#ifdef KERNELS
+    kernels_end();
+#endif
     return steps;
 }

@@ -20,11 +20,12 @@ struct Instance {
     double time, stop_time, offset, first_step;
     bool touched, fresh, frozen, stale; /* stale: a parameter changed, constants are computed before the next use */
     bool continuous;                    /* model exchange: continuous-time mode, otherwise event mode */
-    double *values; /* all variables but states and their derivatives, which have their place unused */
-    double *x, *m;  /* continuous state as stepped (reduced where reduced), modes */
-    double *p, *c;  /* parameters in force (with integration_tolerance), constants */
-    double *k;      /* cubics of the inputs */
+    double *values;    /* all variables but states and their derivatives, which have their place unused */
+    double *x, *m;     /* continuous state as stepped (reduced where reduced), modes */
+    double *p, *c;     /* parameters in force (with integration_tolerance), constants */
+    double *k, *later; /* cubics of the inputs over the step, and counted from an event inside it */
     Solver *solver;
+    void *memory; /* of kernels */
     char message[1024];
     /* work space */
     const double **arguments;

@@ -116,8 +116,10 @@ typedef struct {
     Function next_event;            /* (t, m, p, c) -> time */
     Function outputs;               /* (t, x, m, u, du, p, c) -> observed */
     Function derivatives_forward,
-        outputs_forward;  /* CasADi's fwd1: arguments, results, one seed an argument -> derivatives */
-    const Linear *linear; /* NULL: not a linear unit */
+        outputs_forward;        /* CasADi's fwd1: arguments, results, one seed an argument -> derivatives */
+    const Linear *linear;       /* NULL: not a linear unit */
+    void *(*memory_make)(void); /* of kernels (kernel.h), whose address traced functions find in iw[0]; NULL: none */
+    void (*memory_drop)(void *);
 } Unit;
 
 extern const Unit towage_unit; /* in the generated unit.c */

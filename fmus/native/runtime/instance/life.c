@@ -1,6 +1,7 @@
 /* An instance's life: its memory and the order of its calls. */
 #include "calls.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,6 +65,7 @@ static size_t partition(Instance *it, double *block, const Needs *most)
         {&it->p, u->first.calculated},
         {&it->c, u->constants},
         {&it->k, CUBIC * u->inputs},
+        {&it->later, CUBIC * u->inputs},
         {&it->w, most->doubles},
         {&it->u, u->inputs},
         {&it->du, u->inputs},
@@ -100,10 +102,12 @@ Instance *instance_new(const Unit *unit, Kind kind)
     it->results = calloc((size_t)most.results, sizeof *it->results);
     it->iw = calloc((size_t)most.integers + 1, sizeof *it->iw);
     it->values = block;
-    if (!block || !it->arguments || !it->results || !it->iw) {
+    if (unit->memory_make) it->memory = unit->memory_make();
+    if (!block || !it->arguments || !it->results || !it->iw || (unit->memory_make && !it->memory)) {
         instance_free(it);
         return NULL;
     }
+    it->iw[0] = (Integer)(intptr_t)it->memory;
     partition(it, block, &most);
     instance_reset(it);
     return it;
@@ -113,6 +117,7 @@ void instance_free(Instance *it)
 {
     if (!it) return;
     solver_free(it->solver);
+    if (it->memory) it->unit->memory_drop(it->memory);
     free(it->values); /* the first part of the block */
     free(it->arguments);
     free(it->results);

@@ -97,15 +97,24 @@ static Outcome run(Motion *motion, double start, double end)
     return reason ? no_integration(motion, reason, s, end) : DONE;
 }
 
-/* The exact step of a unit in closed form. */
-static void advance_exactly(Instance *it, double begin, double step)
+/* The exact step of a unit in closed form, from `begin` + `start` to `begin` + `end`. */
+static void run_exactly(Instance *it, double begin, double start, double end)
 {
     const Unit *unit = it->unit;
-    const double *arguments[] = {&begin, &step, it->x, it->m, it->k, it->p, it->c};
+    const double here = begin + start, step = end - start;
+    if (start > 0.0) cubics_from(it, start);
+    const double *arguments[] = {&here, &step, it->x, it->m, start > 0.0 ? it->later : it->k, it->p, it->c};
     memcpy(it->arguments, arguments, sizeof arguments);
     it->results[0] = it->next_x;
     traced(it, &unit->advance, it->arguments, it->results);
     memcpy(it->x, it->next_x, (size_t)unit->states * sizeof *it->x);
+}
+
+static Outcome move(Motion *motion, double start, double end)
+{
+    if (motion->instance->unit->tolerance >= 0) return run(motion, start, end);
+    run_exactly(motion->instance, motion->begin, start, end);
+    return DONE;
 }
 
 /* State and modes to the end of the step, transitions that fall inside included. */
@@ -117,26 +126,27 @@ static Outcome advance(Instance *it, double begin, double step)
     change_due(it, begin);
     if (unit->linear) return solver_advance(it, step);
     if (unit->states == 0) return DONE;
-    if (unit->tolerance < 0) {
-        advance_exactly(it, begin, step);
-        return DONE;
-    }
     Motion motion = {it, begin, false};
     for (int i = 0; i < unit->inputs; i++) {
         const double *k = it->k + CUBIC * i;
         motion.moving = motion.moving || k[1] != 0.0 || k[2] != 0.0 || k[3] != 0.0;
     }
     double done = 0.0;
-    for (;;) {
+    for (int events = 0;; events++) {
         const double due_time = next_event(it, begin + done), due = due_time - begin;
         if (!(done < due && due < step * (1.0 - EVENT_TOLERANCE))) break;
-        const Outcome outcome = run(&motion, done, due);
+        if (events == MAX_STEPS) {
+            Number at;
+            return refuse(it, NO_STEP, "more than %d events until t = %s: take shorter steps", MAX_STEPS,
+                          shortest(due_time, at));
+        }
+        const Outcome outcome = move(&motion, done, due);
         if (outcome != DONE) return outcome;
         done = due;
         inputs_at(it, due);
         change(it, due_time); /* not begin + due, which may round to just before the event */
     }
-    return run(&motion, done, step);
+    return move(&motion, done, step);
 }
 
 static Outcome check_step(Instance *it, double time, double step)

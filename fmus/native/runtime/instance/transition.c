@@ -16,6 +16,18 @@ void cubics(Instance *it)
     }
 }
 
+void cubics_from(Instance *it, double s)
+{
+    const double *k = it->k;
+    double *l = it->later;
+    for (int i = 0; i < it->unit->inputs; i++, k += CUBIC, l += CUBIC) {
+        l[0] = k[0] + s * (k[1] + s * (k[2] + s * k[3]));
+        l[1] = k[1] + s * (2.0 * k[2] + s * 3.0 * k[3]);
+        l[2] = k[2] + 3.0 * k[3] * s;
+        l[3] = k[3];
+    }
+}
+
 void inputs_at(Instance *it, double s)
 {
     const double *k = it->k;

@@ -5,6 +5,7 @@
 #include "instance.h"
 
 void cubics(Instance *);                 /* k from the values of the inputs and their derivatives */
+void cubics_from(Instance *, double s);  /* later: the cubics of k counted from s */
 void inputs_at(Instance *, double s);    /* u at s from the begin of the cubics */
 void change(Instance *, double t);       /* the model's transition at t with the inputs u */
 void change_due(Instance *, double t);   /* at a communication point: an event a rounding error away is included */

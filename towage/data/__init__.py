@@ -1,0 +1,1 @@
+"""Files that people give to units: responses of ships, spectra, measured series."""
