@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from towage.errors import SceneError, TowageError
 from towage.registry import SCHEMES
-from towage.scene.inputs import check_constants, unset_inputs
+from towage.scene.inputs import check_constants, check_needed, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.values import Names, Values, with_article
@@ -135,6 +135,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
     resolved = _bare(scene, names)
     sources = {(c.target_unit, c.target): f"{c.source_unit}.{c.source}" for c in resolved.connections}
     check_constants(names, sources)
+    check_needed(names)
     forgotten = unset_inputs(names, sources, open_ends)
     check_physical(names, {name: unit.parameters for name, unit in resolved.units.items()})
     _check_margins(names)
