@@ -62,7 +62,7 @@ class Description(msgspec.Struct, frozen=True, dict=True):
 
     ``dependencies`` gives the inputs that act on an output without delay; None: not declared, so all of them may.
     ``conventions``: its names mean what `towage.units.conventions` says, as the maker declares. ``warnings``: what breaks the
-    standard and is taken all the same. ``event_mode``: the unit has FMI 3's.
+    standard and is taken all the same. ``event_mode``: the unit has FMI 3's, and no conventions that say the same.
     """
 
     path: Path

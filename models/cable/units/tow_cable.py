@@ -55,7 +55,7 @@ class Parameters(Choice, TowParameters):
 class Size(NamedTuple):
     """What fixes the number of states."""
 
-    segments: float = 20.0
+    segments: float = 24.0
 
 
 class Own(NamedTuple):
