@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-
 from .cases import NATIVE, UNITS
 from .conftest import Program
 
