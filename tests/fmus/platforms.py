@@ -15,11 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.fmus.native.build import build
-from towage.fmus.native.compiler import FLAGS, Platform, chosen, compiler, library
+from towage.fmus.native.build import RUNTIME, build
+from towage.fmus.native.compiler import Platform, chosen, compiled, compiler, library, output_of
 
 from .cases import NATIVE
-from .native_host import HOST, STANDARD, compile_host, rows_of, unpack
+from .native_host import HOST, compile_host, rows_of, unpack
 
 EMULATED = ("x86_64-windows", "aarch64-linux")
 ARM = Path("/usr/aarch64-linux-gnu")
@@ -68,11 +68,14 @@ class Emulation:
 
 
 def cross_compiled(platform: Platform, directory: Path) -> Path:
-    """``host.c`` for the platform, with the flags of the units: for others zig would compile the C library once more."""
+    """``host.c`` for the platform, compiled and linked as units are: for other flags zig would make the C library once more."""
+    headers = [HOST / "fmu.h", *RUNTIME.glob("fmi[23]/fmi[23]*.h")]
+    texts = tuple((file.name, file.read_bytes()) for file in headers)
+    objects = {f"{n}.o": compiled(platform, f"{n}.c", (HOST / f"{n}.c").read_bytes(), texts) for n in ("host", "fmu")}
     output = directory / ("host.exe" if platform.suffix == ".dll" else "host")
-    sources = [str(HOST / name) for name in ("host.c", "fmu.c")]
     libraries = [] if platform.suffix == ".dll" else ["-lm", "-ldl"]
-    subprocess.run([*compiler(platform), *FLAGS, "-s", *STANDARD, *sources, "-o", str(output), *libraries], check=True)
+    output.write_bytes(output_of([*compiler(platform), "-s", "-o", output.name, *objects, *libraries], objects, output.name))
+    output.chmod(0o755)
     return output
 
 

@@ -16,9 +16,9 @@ class Variable(msgspec.Struct, frozen=True):
     """A scalar variable, with what its declared type adds; ``start``, ``min``, ... are in ``unit``.
 
     ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless. ``needed``: an
-    input that a scene has to connect or set, a parameter that it has to set; ``unset``: what it means if it does not, where the unit says so
-    (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and read;
-    ``array``: the number of elements of the array that it is an element of, which share the value reference.
+    input that a scene has to connect or set, a parameter that it has to set; ``unset``: what it means if it does not, where the
+    unit says so (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and
+    read; ``array``: the number of elements of the array that it is an element of, which share the value reference.
     """
 
     name: str
