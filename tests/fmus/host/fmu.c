@@ -160,11 +160,12 @@ int fmu_get(const Fmu *fmu, void *it, const unsigned *references, size_t count, 
 int fmu_step(const Fmu *fmu, void *it, double time, double step)
 {
     bool events, terminate, early = true;
+    const double end = time + step;
     double last = time;
     int status = 0;
     if (fmu->version == 2) return (int)two.DoStep(it, time, step, fmi2True);
-    while (!status && early) {
-        status = (int)three.DoStep(it, last, time + step - last, true, &events, &terminate, &early, &last);
+    for (double left = step; !status && early; left = end - last) { /* end - time is not step, by rounding */
+        status = (int)three.DoStep(it, last, left, true, &events, &terminate, &early, &last);
         if (!status && (early || events)) {
             status = (int)three.EnterEventMode(it);
             status = status ? status : update(it);
