@@ -136,6 +136,18 @@ def test_the_fmu_says_the_same(name: str) -> None:
     }
 
 
+@pytest.mark.parametrize("name", UNITS)
+def test_a_parameter_that_is_needed_has_an_example_in_the_unit_and_is_asked_of_a_scene(name: str) -> None:
+    needed = {v.name for v in load(name).parameters if v.needed}
+    assert needed == ({"axial_stiffness"} if name in ("tow_cable", "tow_cable_nonlinear") else set())
+    assert {v.name for v in read_description(locator()(name)).variables if v.needed and v.causality == "parameter"} == needed
+    for parameter in needed:
+        data = alone(name, {v.name: v.start for v in load(name).inputs}).to_dict()
+        assert resolve(Scene.from_dict(data))
+        del data["units"]["it"]["parameters"][parameter]
+        refused(Scene.from_dict(data), f"units.it.parameters.{parameter}", "is not set, and it needs it", "give that of yours")
+
+
 # ---- neither connected nor set ---------------------------------------------------------------------------------------
 
 

@@ -46,6 +46,12 @@ class Interface:
             for v in self.unit.variables
         )  # fmt: skip
 
+    @property
+    def has_events(self) -> bool:
+        """Whether there are discrete changes that the unit can locate: FMI 3 then offers event mode in co-simulation."""
+        model = self.unit.model
+        return model.transition is not None and (self.indicators > 0 or model.next_event_time is not None)
+
     @cached_property
     def as_built(self) -> Unit:
         """The unit with a reference run that this build can do: structural parameters have the values that it fixed."""

@@ -52,9 +52,11 @@ class Part(NamedTuple):
         return f"{self.name}.{variable}"
 
     def variable(self, v: Variable) -> Variable:
-        """A parameter, input or output in the scene."""
+        """A parameter, input or output in the scene, whose values have been given."""
         start = self.values.get(v.name, v.start)
-        if v in self._fixed:
+        fixed = v in self._fixed
+        v = replace(v, needed=v.needed and v.causality == "input")
+        if fixed:
             return replace(v, name=self.full_name(v.name), start=start, min=start, max=start)
         return replace(v, name=self.full_name(v.name), start=start)
 

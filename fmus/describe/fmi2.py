@@ -120,8 +120,8 @@ def _annotations(root: Element, unit: Unit) -> None:
 
 
 def annotate(tool: Element, unit: Unit) -> None:
-    """For towage, the same in FMI 2 and 3: that names mean what its conventions say, and what it means that an input is neither
-    connected nor set: ``needed``, or in words. All in one element, as the schemas want it."""
+    """For towage, the same in FMI 2 and 3: that names mean what its conventions say, what it means that an input is neither
+    connected nor set: ``needed``, or in words, and which parameters are needed. All in one element, as the schemas want it."""
     own = SubElement(tool, "Interface")
     SubElement(own, "Conventions")
     said = [v for v in unit.inputs if v.needed or v.unset]
@@ -129,6 +129,11 @@ def annotate(tool: Element, unit: Unit) -> None:
         inputs = SubElement(own, "Inputs")
         for v in said:
             SubElement(inputs, "Input", {"name": v.name, **({"needed": "true"} if v.needed else {"unset": v.unset})})
+    needed = [v for v in unit.parameters if v.needed]
+    if needed:
+        parameters = SubElement(own, "Parameters")
+        for v in needed:
+            SubElement(parameters, "Parameter", name=v.name, needed="true")
 
 
 def _units(root: Element, variables: Iterable[Variable]) -> None:

@@ -29,10 +29,9 @@ CO_SIMULATION = BOTH | {
     "canHandleVariableCommunicationStepSize": "true",
     "maxOutputDerivativeOrder": "1",
     "providesIntermediateUpdate": "false",
-    "mightReturnEarlyFromDoStep": "false",
-    "hasEventMode": "false",
+    "canReturnEarlyAfterIntermediateUpdate": "false",
 }
-"""What the units can do."""
+"""What the units can do; those with events have event mode, too, and return early at an event."""
 TIME = Variable(name="time", unit="s", description="Simulation time", causality="independent", variability="continuous")
 
 
@@ -41,7 +40,11 @@ def model_description3(interface: Interface, identifier: str, token: str) -> byt
     unit, variables = interface.unit, interface.variables
     root = root_element(unit, "3.0", instantiationToken=token)
     SubElement(root, "ModelExchange", {"modelIdentifier": identifier, **MODEL_EXCHANGE})
-    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **CO_SIMULATION})
+    events = str(interface.has_events).lower()
+    SubElement(
+        root, "CoSimulation",
+        {"modelIdentifier": identifier, **CO_SIMULATION, "mightReturnEarlyFromDoStep": events, "hasEventMode": events},
+    )  # fmt: skip
     preamble(root, (*variables, TIME))
     node, counts, layout = SubElement(root, "ModelVariables"), lengths(variables), interface.layout
     for reference, count in enumerate(counts):

@@ -47,6 +47,8 @@ class Platform:
 PLATFORMS = (
     # the oldest glibc that zig is asked to link against decides where the library loads: this is RHEL 7's
     Platform("linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17"),
+    # FMI 2.0.5 names platforms that it has no name for as FMI 3 does
+    Platform("aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
     Platform("win64", "x86_64-windows", ".dll", "x86_64-windows-gnu"),
     # without a version the least macOS would be the newest that zig knows
     Platform("darwin64", "x86_64-darwin", ".dylib", "x86_64-macos.11.0"),

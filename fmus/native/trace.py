@@ -70,7 +70,7 @@ def _trace(unit: Unit, structure: Mapping[str, float]) -> Traced:
     add("initial", [p, c], x0, m0)
     if model.derivatives and len(x0):
         add("derivatives", [t, x, m, u, p, c], model.derivatives(*at, parameters, ops))
-    if model.indicators and len(x0):
+    if model.indicators:
         add("indicate", [t, x, m, u, p, c], model.indicators(*at, parameters, ops))
     if model.advance and len(x0):
         add("advance", [t, h, x, m, k, p, c], model.advance(t, h, *at[1:3], cubics, parameters, ops))

@@ -33,6 +33,13 @@ EAMES, CROSS_FLOW, GENERAL = range(3)
 LOADING_FORMS = "loading_form: expected 0 (Eames), 1 (cross-flow) or 2 (ten coefficients)"
 
 
+ELASTIC = tunable(
+    "N", 4e6, "Axial stiffness EA; the start value is a guess for the cable of the other start values, an armoured one of "
+    "15 mm: give that of yours", display="lbf", min=0.0, needed=True,
+)  # fmt: skip
+"""``axial_stiffness`` where a tow means nothing without it: 23 GPa over the section of 15 mm."""
+
+
 def coefficient(load: str, term: str) -> Quantity:
     """A parameter of the ten-coefficient loading: ``normal`` or ``tangential``, a0 to b2."""
     factor = {"a0": "1", "a1": "cos", "a2": "cos 2", "b1": "sin", "b2": "sin 2"}[term]

@@ -257,6 +257,11 @@ def outputs(t: Value, x: State, m: Modes, u: Inputs, du: Inputs, p: Parameters, 
     )  # fmt: skip
 
 
+def indicators(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[Value]:
+    """The stretch, or 1 where the line never goes slack."""
+    return (room(stretch(u.heave_top, u.heave_bottom, p.static_tension, stiffness(p, ops)), p, ops),)
+
+
 def transition(t: Value, x: State, m: Modes, u: Inputs, p: Parameters, ops: Ops) -> tuple[State, Modes]:
     """The branch at a communication point: taut where the stretch is positive."""
     e = stretch(u.heave_top, u.heave_bottom, p.static_tension, stiffness(p, ops))
@@ -273,5 +278,6 @@ SPRING_LINE = Model(
     "spring_line",
     "Elastic line between a ship and a suspended body, with slack",
     Parameters, State, Modes, Inputs, Outputs, Calculated,
-    initial=initial, outputs=outputs, transition=transition, calculated=calculated, requirements=requirements,
+    initial=initial, outputs=outputs, indicators=indicators, transition=transition, calculated=calculated,
+    requirements=requirements,
 )  # fmt: skip

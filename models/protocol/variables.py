@@ -31,8 +31,8 @@ class Quantity:
     """A variable without its name. ``causality`` and ``variability`` are FMI's.
 
     ``also`` names inputs that act on an output without delay although its formula does not contain them: what
-    `numeric.dependence` cannot find by tracing the model's functions. ``needed`` and ``unset`` are of inputs:
-    see `input_variable`.
+    `numeric.dependence` cannot find by tracing the model's functions. ``needed`` and ``unset``: see
+    `input_variable` and `tunable`.
     """
 
     unit: str
@@ -59,10 +59,11 @@ def parameter(
 
 def tunable(
     unit: str, start: float, description: str, *,
-    display: str | None = None, min: float | None = None, max: float | None = None,
+    display: str | None = None, min: float | None = None, max: float | None = None, needed: bool = False,
 ) -> Quantity:  # fmt: skip
-    """A parameter that may change between steps."""
-    return Quantity(unit, description, start, "parameter", "tunable", display, min, max)
+    """A parameter that may change between steps. ``needed``: a scene has to set it; ``start`` is an example, with which the
+    unit begins in a host that sets nothing."""
+    return Quantity(unit, description, start, "parameter", "tunable", display, min, max, needed=needed)
 
 
 def calculated_parameter(unit: str, description: str, *, display: str | None = None, tunable: bool = False) -> Quantity:

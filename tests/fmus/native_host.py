@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
+import numpy as np
 
 from towage.fmus.declare.unit import load
 from towage.fmus.native import build as native_fmu
@@ -49,6 +50,11 @@ def compile_c(sources: list[Path], output: Path, *flags: str) -> Path:
 def compile_host(directory: Path) -> Path:
     """``host.c``."""
     return compile_c([HOST / "host.c", HOST / "fmu.c"], directory / "host", *STRICT, "-O1")
+
+
+def rows_of(printed: str) -> np.ndarray:
+    """What the command ``run`` printed."""
+    return np.array([[float.fromhex(v) for v in line.split()] for line in printed.splitlines()])
 
 
 @dataclass(frozen=True)

@@ -201,7 +201,7 @@ REST: dict[str, dict[str, float]] = {
     "ship": {"heave_amplitude": 0.0}, "spring_line": {"stiffness": 1e4, "static_tension": 2e4},
     "cradle": {"mass": 5e3, "weight_in_water": 2e4, "drag_area": 10.0, "line_tension": 2e4}, "cradle_on_line": LINE,
     "sway_craft": {"sway_amplitude": 0.0}, "slender_body": {"tow_speed": 0.0}, "tow_system": {},
-    "tow_cable": {"axial_stiffness": 4e6}, "towed_body": {}, "body_force": {}, "ship_in_sea": {"wave_height": 0.0},
+    "tow_cable": {}, "towed_body": {}, "body_force": {}, "ship_in_sea": {"wave_height": 0.0},
 }  # fmt: skip
 """Start values of units at rest; a voyage never rests, and the nonlinear cable's equilibrium is iterated."""
 ERRORS = ("margin_resolution", "margin_inextensible")

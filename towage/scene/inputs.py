@@ -1,4 +1,5 @@
-"""Inputs of a scene's units that nothing is connected to: set to a constant, needed, meant to be open, or forgotten."""
+"""Inputs of a scene's units that nothing is connected to: set to a constant, needed, meant to be open, or forgotten; and
+parameters that their unit needs."""
 
 from __future__ import annotations
 
@@ -23,6 +24,15 @@ def check_constants(names: Names, sources: Sources) -> None:
                     "the connection",
                     f"units.{unit}.{entry.table(name)}.{name}",
                 )
+
+
+def check_needed(names: Names) -> None:
+    """Refuses a scene that leaves a parameter to its start value although the unit needs it. Raises `SceneError`."""
+    for unit, variables in names.variables.items():
+        for v in variables.values():
+            if v.needed and v.causality == "parameter" and v.name not in names.scene.units[unit].values:
+                key = f"units.{unit}.parameters.{v.name}"
+                raise names.fault(f"{unit}.{v.name} is not set, and {unit} needs it: {v.description}", key)
 
 
 def unset_inputs(names: Names, sources: Sources, open_ends: bool) -> dict[str, str]:

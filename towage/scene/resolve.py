@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from towage.errors import SceneError
 from towage.registry import SCHEMES
 from towage.scene.files import descriptions_of
-from towage.scene.inputs import check_constants, unset_inputs
+from towage.scene.inputs import check_constants, check_needed, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.transform import carried
@@ -118,6 +118,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
     resolved = _bare(scene, names)
     sources = {(c.target_unit, c.target): f"{c.source_unit}.{c.source}" for c in resolved.connections}
     check_constants(names, sources)
+    check_needed(names)
     forgotten = unset_inputs(names, sources, open_ends)
     check_physical(names, {name: unit.parameters for name, unit in resolved.units.items()})
     _check_margins(names)

@@ -16,10 +16,10 @@ class Variable(msgspec.Struct, frozen=True):
     """A scalar variable, with what its declared type adds; ``start``, ``min``, ... are in ``unit``.
 
     ``initial`` is "" where FMI forbids it (inputs, time); ``unit`` None means undeclared, not dimensionless. ``needed``: an
-    input that a scene has to connect or set; ``unset``: what it means if it does not, where the unit says so
-    (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and read;
-    ``array``: the number of elements of the array that it is an element of, which share the value reference; ``items``: the
-    values of an enumeration by name.
+    input that a scene has to connect or set, a parameter that it has to set; ``unset``: what it means if it does not, where the
+    unit says so (`towage.models.protocol.variables.input_variable`). ``kind`` is the standard's type, by which it is set and
+    read; ``array``: the number of elements of the array that it is an element of, which share the value reference; ``items``:
+    the values of an enumeration by name.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Description(msgspec.Struct, frozen=True, dict=True):
 
     ``dependencies`` gives the inputs that act on an output without delay; None: not declared, so all of them may.
     ``conventions``: its names mean what `towage.units.conventions` says, as the maker declares. ``warnings``: what breaks the
-    standard and is taken all the same. ``event_mode``: the unit has FMI 3's.
+    standard and is taken all the same. ``event_mode``: the unit has FMI 3's, and no conventions that say the same.
     """
 
     path: Path

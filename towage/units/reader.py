@@ -85,8 +85,8 @@ class DescriptionReader:
         for simple in root.iterfind("TypeDefinitions/SimpleType"):
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
         self.items: dict[str, dict[str, int]] = {}
-        said = root.iterfind(f"{self.annotation}/Inputs/Input")
-        self.inputs = {element.get("name", ""): element for element in said}
+        said = (e for kind in ("Inputs/Input", "Parameters/Parameter") for e in root.iterfind(f"{self.annotation}/{kind}"))
+        self.said = {element.get("name", ""): element for element in said}
 
     def description(self, path: Path, names: list[str]) -> Description:
         """The description of the FMU at ``path``, whose archive has entries of these names. Raises `InvalidDescription`."""
@@ -157,8 +157,8 @@ class DescriptionReader:
         )
 
     def meant(self, name: str) -> tuple[bool, str]:
-        """Of an input: (whether it is needed, what it means to leave it open)."""
-        said = self.inputs.get(name)
+        """Of an input or a parameter: (whether it is needed, what it means to leave it open)."""
+        said = self.said.get(name)
         return (False, "") if said is None else (self.flag(said, "needed"), said.get("unset", ""))
 
     def items_of(self, declared: str | None) -> dict[str, int]:

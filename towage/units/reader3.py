@@ -85,7 +85,8 @@ class DescriptionReader3(DescriptionReader):
             platforms=self.platforms(identifier, names),
             conventions=self.conventions(),
             warnings=warnings,
-            event_mode=self.flag(unit, "hasEventMode"),
+            # a unit that keeps the conventions tells the master its events by event_* and next_event_time
+            event_mode=self.flag(unit, "hasEventMode") and not self.conventions(),
         )
 
     def elements(self, element: ElementTree.Element) -> Iterator[Variable]:

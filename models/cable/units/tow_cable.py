@@ -34,7 +34,7 @@ from ...protocol.variables import EVERY_INPUT, Rate, calculated_parameter, input
 from ..lumped.fidelity import Chosen, choose, ends_together
 from ..lumped.linear import BODY_VELOCITY, PROFILE, Rows, StateSpace, cable_model
 from ..lumped.lumped import hang, matrices
-from ..parameters import Choice, TowParameters, integral, refusal_by, tow_of, tow_requirements, traced_tow
+from ..parameters import ELASTIC, Choice, TowParameters, integral, refusal_by, tow_of, tow_requirements, traced_tow
 from . import linear_tow, ports, tow_system
 from .linear_tow import Constants
 from .ports import second_derivative
@@ -49,11 +49,13 @@ FEWEST = 2
 class Parameters(Choice, TowParameters):
     """The tow first, then how it is modelled."""
 
+    axial_stiffness: Annotated[Value, ELASTIC]
+
 
 class Size(NamedTuple):
     """What fixes the number of states."""
 
-    segments: float = 20.0
+    segments: float = 24.0
 
 
 class Own(NamedTuple):

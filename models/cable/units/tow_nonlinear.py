@@ -25,7 +25,7 @@ from ...protocol.model import Model, Requirement, remembered
 from ...protocol.variables import Rate, calculated_parameter, margin, output, parameter
 from ..lumped.lumped import equilibrium, steady_towpoint_force
 from ..lumped.nonlinear import NonlinearCable
-from ..parameters import TowParameters, integral, refusal_by, tow_of, tow_requirements
+from ..parameters import ELASTIC, TowParameters, integral, refusal_by, tow_of, tow_requirements
 from . import ports
 
 Inputs = ports.TowpointInputs
@@ -37,6 +37,7 @@ TOWPOINT = ("velocity_surge", "velocity_heave")
 class Parameters(TowParameters):
     """The tow, and how it is divided in space and time."""
 
+    axial_stiffness: Annotated[Value, ELASTIC]
     segments: Annotated[Value, parameter("1", 20.0, "Number of segments", min=1.0, max=400.0)]
     internal_step: Annotated[Value, parameter("s", 0.05, "Largest implicit step", min=1e-6)]
 

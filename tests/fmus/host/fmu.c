@@ -1,10 +1,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "fmu.h"
 
-#include <dlfcn.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#ifdef _WIN32
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
 
 #include "fmi2Functions.h"
 #include "fmi3Functions.h"
@@ -34,7 +38,8 @@ static void print3(fmi3InstanceEnvironment fmu, fmi3Status status, fmi3String ca
 #define FMI3(use)                                                                                                      \
     use(InstantiateCoSimulation) use(FreeInstance) use(EnterInitializationMode) use(ExitInitializationMode) use(Reset) \
         use(SetFloat64) use(GetFloat64) use(DoStep) use(GetFMUState) use(SetFMUState) use(FreeFMUState)                \
-            use(SerializedFMUStateSize) use(SerializeFMUState) use(DeserializeFMUState)
+            use(SerializedFMUStateSize) use(SerializeFMUState) use(DeserializeFMUState) use(EnterEventMode)            \
+                use(UpdateDiscreteStates) use(EnterStepMode)
 #define POINTER2(name) fmi2##name##TYPE *name;
 #define POINTER3(name) fmi3##name##TYPE *name;
 static struct {
@@ -45,9 +50,27 @@ static struct {
 } three;
 static fmi2CallbackFunctions callbacks = {print2, calloc, free, NULL, NULL};
 
+#ifdef _WIN32
+static void *opened(const char *path)
+{
+    void *library = LoadLibraryA(path);
+    if (!library) fprintf(stderr, "%s: error %lu\n", path, GetLastError());
+    return library;
+}
+static void *symbol(void *library, const char *name) { return (void *)GetProcAddress(library, name); }
+#else
+static void *opened(const char *path)
+{
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!library) fprintf(stderr, "%s\n", dlerror());
+    return library;
+}
+static void *symbol(void *library, const char *name) { return dlsym(library, name); }
+#endif
+
 static bool find(void *library, const char *name, void *pointer)
 {
-    *(void **)pointer = dlsym(library, name); /* the way POSIX offers from an object to a function pointer */
+    *(void **)pointer = symbol(library, name); /* the way POSIX offers from an object to a function pointer */
     if (!*(void **)pointer) fprintf(stderr, "the library has no %s\n", name);
     return *(void **)pointer != NULL;
 }
@@ -57,13 +80,10 @@ bool fmu_load(Fmu *fmu, const char *path, int version, const char *token)
     bool complete = true;
     fmu->version = version;
     fmu->token = token;
-    fmu->silent = false;
+    fmu->silent = fmu->events = false;
     callbacks.componentEnvironment = fmu;
-    fmu->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!fmu->library) {
-        fprintf(stderr, "%s\n", dlerror());
-        return false;
-    }
+    fmu->library = opened(path);
+    if (!fmu->library) return false;
 #define FIND2(name) complete = find(fmu->library, "fmi2" #name, &two.name) && complete;
 #define FIND3(name) complete = find(fmu->library, "fmi3" #name, &three.name) && complete;
     if (version == 2) {
@@ -74,14 +94,32 @@ bool fmu_load(Fmu *fmu, const char *path, int version, const char *token)
     return complete;
 }
 
-void fmu_unload(Fmu *fmu) { dlclose(fmu->library); }
+void fmu_unload(Fmu *fmu)
+{
+#ifdef _WIN32
+    FreeLibrary(fmu->library);
+#else
+    dlclose(fmu->library);
+#endif
+}
 
 void *fmu_instantiate(const Fmu *fmu, const char *name)
 {
     if (fmu->version == 3)
-        return three.InstantiateCoSimulation(name, fmu->token, NULL, false, true, false, false, NULL, 0, (void *)fmu,
-                                             print3, NULL);
+        return three.InstantiateCoSimulation(name, fmu->token, NULL, false, true, fmu->events, fmu->events, NULL, 0,
+                                             (void *)fmu, print3, NULL);
     return two.Instantiate(name, fmi2CoSimulation, fmu->token, "", &callbacks, fmi2False, fmi2True);
+}
+
+/* From event mode to step mode. */
+static int update(void *it)
+{
+    bool more = true, terminate, nominals, values, defined;
+    double next;
+    int status = 0;
+    while (!status && more)
+        status = (int)three.UpdateDiscreteStates(it, &more, &terminate, &nominals, &values, &defined, &next);
+    return status ? status : (int)three.EnterStepMode(it);
 }
 
 int fmu_initialize(const Fmu *fmu, void *it, double start)
@@ -89,7 +127,8 @@ int fmu_initialize(const Fmu *fmu, void *it, double start)
     int status;
     if (fmu->version == 3) {
         status = three.EnterInitializationMode(it, false, 0.0, start, false, 0.0);
-        return status ? status : (int)three.ExitInitializationMode(it);
+        status = status ? status : (int)three.ExitInitializationMode(it);
+        return status || !fmu->events ? status : update(it);
     }
     status = two.SetupExperiment(it, fmi2False, 0.0, start, fmi2False, 0.0);
     status = status ? status : (int)two.EnterInitializationMode(it);
@@ -120,10 +159,19 @@ int fmu_get(const Fmu *fmu, void *it, const unsigned *references, size_t count, 
 
 int fmu_step(const Fmu *fmu, void *it, double time, double step)
 {
-    bool events, terminate, early;
-    double last;
-    return fmu->version == 3 ? (int)three.DoStep(it, time, step, true, &events, &terminate, &early, &last)
-                             : (int)two.DoStep(it, time, step, fmi2True);
+    bool events, terminate, early = true;
+    const double end = time + step;
+    double last = time;
+    int status = 0;
+    if (fmu->version == 2) return (int)two.DoStep(it, time, step, fmi2True);
+    for (double left = step; !status && early; left = end - last) { /* end - time is not step, by rounding */
+        status = (int)three.DoStep(it, last, left, true, &events, &terminate, &early, &last);
+        if (!status && (early || events)) {
+            status = (int)three.EnterEventMode(it);
+            status = status ? status : update(it);
+        }
+    }
+    return status;
 }
 
 int fmu_get_state(const Fmu *fmu, void *it, void **state)

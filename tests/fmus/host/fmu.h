@@ -8,7 +8,7 @@
 typedef struct {
     int version;
     const char *token;
-    bool silent;
+    bool silent, events; /* events: event mode and early return of FMI 3; what is needed is done at once */
     void *library;
 } Fmu;
 

@@ -9,7 +9,7 @@
 
 static struct {
     fmi3Instance it;
-    bool exchange, continuous;
+    bool exchange, events, continuous; /* events: co-simulation with event mode, and `continuous` is step mode */
     Stage stage;
     double time;
     struct {
@@ -37,7 +37,8 @@ void end3(void)
 
 static void create(void)
 {
-    const bool wrong = chance(0.02), events = chance(0.02);
+    const bool has_events = towage_unit.change.call && (towage_unit.indicators > 0 || towage_unit.next_event.call);
+    const bool wrong = chance(0.02), events = chance(has_events ? 0.5 : 0.02);
     const char *token = wrong ? (chance(0.5) ? NULL : "{}") : towage_unit.token,
                *name = chance(0.05) ? NULL : "100%s%n";
     end3();
@@ -45,7 +46,8 @@ static void create(void)
     now.it = now.exchange ? fmi3InstantiateModelExchange(name, token, NULL, false, true, NULL, listen)
                           : fmi3InstantiateCoSimulation(name, token, NULL, false, true, events, true, NULL, 0, NULL,
                                                         chance(0.1) ? NULL : listen, NULL);
-    check((now.it == NULL) == (wrong || (events && !now.exchange)), "fmi3Instantiate");
+    now.events = events && !now.exchange;
+    check((now.it == NULL) == (wrong || (now.events && !has_events)), "fmi3Instantiate");
     now.stage = now.it ? CREATED : NONE;
 }
 
@@ -167,54 +169,69 @@ static void step(void)
     fmi3Instance component = it();
     const int status =
         fmi3DoStep(component, from, size, true, &events, &terminate, &early, chance(0.99) ? &last : NULL);
-    judge("fmi3DoStep", status, at(RUNNING) && !now.exchange && !events && !terminate && !early, NULL, 0);
+    const bool here = at(RUNNING) && !now.exchange && (!now.events || now.continuous || now.stage == UNSURE);
+    judge("fmi3DoStep", status, here && !terminate && (!events || now.events) && (!early || events), NULL, 0);
     if (status == fmi3OK)
         now.time = last;
     else if (status == fmi3Discard)
         check(now.stage == UNSURE || last == now.time, "fmi3DoStep: lastSuccessfulTime");
 }
 
-static void exchange(Call *c)
+static void modes(void)
 {
     bool flags[5];
     double time;
-    const bool here = now.exchange && at(RUNNING), inside = here && (now.continuous || now.stage == UNSURE);
+    const bool here = (now.exchange || now.events) && at(RUNNING);
+    const bool inside = here && (now.continuous || now.stage == UNSURE);
     const bool between = here && (!now.continuous || now.stage == UNSURE);
-    const size_t states = (size_t)towage_unit.states, count = chance(0.95) ? states : below(9);
-    const size_t indicators = chance(0.95) ? (size_t)towage_unit.indicators : below(9);
-    switch (below(9)) {
+    switch (below(4)) {
     case 0:
         if (judge("fmi3EnterEventMode", fmi3EnterEventMode(it()), inside, NULL, 0) == fmi3OK) now.continuous = false;
         break;
     case 1:
-    case 2:
-        if (judge("fmi3EnterContinuousTimeMode", fmi3EnterContinuousTimeMode(it()), between, NULL, 0) == fmi3OK)
+        if (judge("fmi3EnterContinuousTimeMode", fmi3EnterContinuousTimeMode(it()), between && now.exchange, NULL, 0)
+            == fmi3OK)
             now.continuous = true;
         break;
-    case 3:
-        time = number(now.time + 0.1);
-        if (judge("fmi3SetTime", fmi3SetTime(it(), time), here, NULL, 0) == fmi3OK) now.time = time;
-        break;
-    case 4:
-        judge("fmi3SetContinuousStates", fmi3SetContinuousStates(it(), c->values, count), inside && count == states,
-              NULL, 0);
-        break;
-    case 5:
-        judge("fmi3GetContinuousStates", fmi3GetContinuousStates(it(), c->results, count),
-              now.exchange && count == states, c->results, count);
-        break;
-    case 6:
-        judge("fmi3GetContinuousStateDerivatives", fmi3GetContinuousStateDerivatives(it(), c->results, count),
-              now.exchange && count == states, c->results, count);
-        break;
-    case 7:
-        judge("fmi3GetEventIndicators", fmi3GetEventIndicators(it(), c->results, indicators),
-              now.exchange && indicators == (size_t)towage_unit.indicators, c->results, indicators);
+    case 2:
+        if (judge("fmi3EnterStepMode", fmi3EnterStepMode(it()), between && now.events, NULL, 0) == fmi3OK)
+            now.continuous = true;
         break;
     default:
         judge("fmi3UpdateDiscreteStates",
               fmi3UpdateDiscreteStates(it(), flags, flags + 1, flags + 2, flags + 3, flags + 4, &time), between, NULL,
               0);
+    }
+}
+
+static void exchange(Call *c)
+{
+    double time;
+    const bool here = now.exchange && at(RUNNING), inside = here && (now.continuous || now.stage == UNSURE);
+    const size_t states = (size_t)towage_unit.states, count = chance(0.95) ? states : below(9);
+    const size_t indicators = chance(0.95) ? (size_t)towage_unit.indicators : below(9);
+    switch (below(6)) {
+    case 0:
+        time = number(now.time + 0.1);
+        if (judge("fmi3SetTime", fmi3SetTime(it(), time), here, NULL, 0) == fmi3OK) now.time = time;
+        break;
+    case 1:
+        judge("fmi3SetContinuousStates", fmi3SetContinuousStates(it(), c->values, count), inside && count == states,
+              NULL, 0);
+        break;
+    case 2:
+        judge("fmi3GetContinuousStates", fmi3GetContinuousStates(it(), c->results, count),
+              now.exchange && count == states, c->results, count);
+        break;
+    case 3:
+        judge("fmi3GetContinuousStateDerivatives", fmi3GetContinuousStateDerivatives(it(), c->results, count),
+              now.exchange && count == states, c->results, count);
+        break;
+    case 4:
+        judge("fmi3GetEventIndicators", fmi3GetEventIndicators(it(), c->results, indicators),
+              now.exchange && indicators == (size_t)towage_unit.indicators, c->results, indicators);
+        break;
+    default: modes();
     }
 }
 
@@ -260,7 +277,6 @@ static void other(Call *c)
     judge("fmi3SetBoolean", fmi3SetBoolean(it(), c->references, n, booleans, n), n == 0, NULL, 0);
     judge("fmi3GetString", fmi3GetString(it(), c->references, n, strings, n), n == 0, NULL, 0);
     judge("fmi3EnterConfigurationMode", fmi3EnterConfigurationMode(it()), false, NULL, 0);
-    judge("fmi3EnterStepMode", fmi3EnterStepMode(it()), false, NULL, 0);
     judge("fmi3SetDebugLogging", fmi3SetDebugLogging(it(), true, below(2), chance(0.9) ? &category : NULL), true, NULL,
           0);
 }
@@ -280,7 +296,14 @@ void play3(void)
     case 3: derivatives(&call); break;
     case 4: state(); break;
     case 5:
-    case 6: now.exchange ? exchange(&call) : step(); break;
+    case 6:
+        if (now.exchange)
+            exchange(&call);
+        else if (chance(now.events ? 0.5 : 0.05))
+            modes();
+        else
+            step();
+        break;
     default: chance(0.9) ? order() : other(&call);
     }
 }

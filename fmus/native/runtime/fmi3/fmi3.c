@@ -1,4 +1,5 @@
-/* FMI 3.0 over an Instance: co-simulation without event mode, early return and intermediate update, and model exchange.
+/* FMI 3.0 over an Instance: co-simulation, with event mode and early return where the unit has events, without
+ * intermediate update; and model exchange.
  *
  * Value references are those of unit.h, of an array that of its first element. Two follow that only FMI 3 knows: the
  * number of variables is time, the next one the array of event indicators.
@@ -56,9 +57,13 @@ static unsigned mode(const Component *c, const char **name)
         [TERMINATED] = {TERMINATED_MODE, "terminated"},
         [FAILED] = {FAILED_MODE, "failed"},
     };
-    bool exchange = c->it->phase == STEPPING && c->it->kind == MODEL_EXCHANGE;
-    *name = exchange ? c->it->continuous ? "continuous-time mode" : "event mode" : MODES[c->it->phase].name;
-    return exchange ? c->it->continuous ? CONTINUOUS_TIME_MODE : EVENT_MODE : MODES[c->it->phase].bit;
+    const bool exchange = c->it->kind == MODEL_EXCHANGE, running = c->it->phase == STEPPING;
+    if (running && (exchange || c->it->events) && !c->it->continuous) {
+        *name = "event mode";
+        return EVENT_MODE;
+    }
+    *name = running && exchange ? "continuous-time mode" : MODES[c->it->phase].name;
+    return running && exchange ? CONTINUOUS_TIME_MODE : MODES[c->it->phase].bit;
 }
 
 bool fmi3_allowed(Component *c, unsigned modes, const char *call)
@@ -122,11 +127,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3IntermediateUpdateCallback update)
 {
     Component *c = make(CO_SIMULATION, name, token, logging, environment, log);
-    (void)resources, (void)visible, (void)early_return, (void)intermediate, (void)intermediate_count, (void)update;
-    if (c && events) {
-        fmi3_decline(c, fmi3Error, "eventModeUsed, but this unit has no event mode in co-simulation (hasEventMode)");
+    (void)resources, (void)visible, (void)intermediate, (void)intermediate_count, (void)update;
+    if (c && events && !has_events(&towage_unit)) {
+        fmi3_decline(c, fmi3Error, "eventModeUsed, but this unit has no events in co-simulation (hasEventMode)");
         fmi3FreeInstance(c);
         return NULL;
+    }
+    if (c) {
+        c->it->events = events;
+        c->it->early = events && early_return;
     }
     return c;
 }
@@ -191,10 +200,12 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     NEEDS(events && terminate && early && last);
     *events = *terminate = *early = false;
     *last = c->it->time;
-    if (c->it->kind != CO_SIMULATION) ONLY_IN(STEP_MODE);
+    if (c->it->kind != CO_SIMULATION || (c->it->events && !c->it->continuous)) ONLY_IN(STEP_MODE);
     Outcome outcome = instance_step(c->it, time, step);
     fmi3Status status = fmi3_report(c, outcome);
     *last = c->it->time;
+    *events = outcome == DONE && c->it->event_due;
+    *early = outcome == DONE && c->it->early && c->it->time < time + step;
     return outcome == REFUSED ? fmi3Discard
                               : status; /* as in the Python flavour: nothing happened, another step may do */
 }

@@ -132,8 +132,6 @@ fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance)
 
 fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) { return absent(instance, 1, "a configuration mode"); }
 
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) { return absent(instance, 1, "an event mode in co-simulation"); }
-
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 {
     return absent(instance, 1, "discrete states that could be evaluated on their own");

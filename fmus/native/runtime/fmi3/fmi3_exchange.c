@@ -1,10 +1,10 @@
-/* FMI 3.0: model exchange. */
+/* FMI 3.0: model exchange, and event mode of both kinds. */
 #include "fmi3.h"
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
     Component *c = instance;
-    ONLY_IN(CONTINUOUS_TIME_MODE);
+    ONLY_IN(CONTINUOUS_TIME_MODE | STEP_MODE);
     return fmi3_report(c, instance_enter_event(c->it));
 }
 
@@ -26,7 +26,15 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update, 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
 {
     Component *c = instance;
+    ONLY_IN(EXCHANGE | EVENT_MODE);
+    return fmi3_report(c, instance_enter_continuous(c->it));
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance)
+{
+    Component *c = instance;
     ONLY_IN(EVENT_MODE);
+    if (c->it->kind != CO_SIMULATION) return fmi3_decline(c, fmi3Error, "fmi3EnterStepMode is for co-simulation only");
     return fmi3_report(c, instance_enter_continuous(c->it));
 }
 
@@ -43,7 +51,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean no_ret
 fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
 {
     Component *c = instance;
-    ONLY_IN(EVENT_MODE | CONTINUOUS_TIME_MODE);
+    ONLY_IN(EXCHANGE | EVENT_MODE | CONTINUOUS_TIME_MODE);
     return fmi3_report(c, instance_set_time(c->it, time));
 }
 

@@ -9,6 +9,7 @@
 #include "instance.h"
 
 Instance *instance_new(const Unit *unit, Kind kind); /* NULL: no memory */
+bool has_events(const Unit *);                       /* whether event mode makes sense in co-simulation */
 void instance_free(Instance *);
 void instance_reset(Instance *);
 Outcome instance_set_up(Instance *, double start, bool stop_defined, double stop);
@@ -17,6 +18,8 @@ Outcome instance_exit_initialization(Instance *);
 Outcome instance_terminate(Instance *);
 Outcome instance_set(Instance *, const unsigned *references, size_t count, const double *values);
 Outcome instance_get(Instance *, const unsigned *references, size_t count, double *values);
+/* Where `early` is set the step ends at the first event; `time` of the instance tells where, `event_due` that one
+ * waits. */
 Outcome instance_step(Instance *, double time, double step);
 
 /* Standard functions of FMI beyond the Python flavour. */
@@ -38,7 +41,8 @@ size_t instance_serialized_size(size_t block_size);
 void instance_serialize(const void *block, size_t block_size, void *bytes);
 Outcome instance_deserialize(Instance *, const void *bytes, size_t size, void *block);
 
-/* Model exchange. The continuous state is that of the unreduced model. */
+/* Model exchange, the last three with event mode in co-simulation too. The continuous state is that of the unreduced
+ * model. */
 Outcome instance_set_time(Instance *, double time);
 Outcome instance_set_states(Instance *, const double *x, size_t count);
 Outcome instance_get_states(Instance *, double *x, size_t count);

@@ -248,7 +248,7 @@ int integrate(const System *system, double *t, double *x, double t_end, double r
         w.k[0] = w.k[LAST];
         w.k[LAST] = begin;
         if (event) {
-            system->on_event(system->context, *t, x);
+            if (system->on_event(system->context, *t, x)) break;
             rates(system, *t, x, w.k[0]);
             indicate(&w, *t, x, w.g);
         }

@@ -54,7 +54,7 @@ static Needs needs(const Unit *u)
 static size_t partition(Instance *it, double *block, const Needs *most)
 {
     const Unit *u = it->unit;
-    const int work = u->tolerance >= 0 ? integrate_work(u->states, u->indicators) : 0;
+    const int work = u->tolerance >= 0 || u->indicators > 0 ? integrate_work(u->states, u->indicators) : 0;
     const struct {
         double **part;
         int size;
@@ -134,7 +134,7 @@ void instance_reset(Instance *it)
     it->time = it->offset = it->first_step = 0.0;
     it->stop_time = NEVER;
     it->touched = it->stale = true;
-    it->fresh = it->frozen = it->continuous = false;
+    it->fresh = it->frozen = it->continuous = it->event_due = false;
     it->message[0] = '\0';
 }
 
@@ -166,6 +166,8 @@ Outcome instance_exit_initialization(Instance *it)
     if (outcome == DONE) it->phase = STEPPING;
     return outcome;
 }
+
+bool has_events(const Unit *unit) { return unit->change.call && (unit->indicators > 0 || unit->next_event.call); }
 
 Outcome instance_terminate(Instance *it)
 {

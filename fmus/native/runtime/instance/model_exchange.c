@@ -1,4 +1,5 @@
-/* Model exchange: the host integrates. Modes and branches change in event mode only, where the host asks for it. */
+/* Model exchange: the host integrates. Modes and branches change in event mode only, where the host asks for it; so
+ * they do in co-simulation with event mode, where step mode takes the place of continuous-time mode. */
 #include "calls.h"
 
 #include <string.h>
@@ -16,11 +17,12 @@ static Outcome expect_exchange(Instance *it, const char *what)
 
 static Outcome expect_mode(Instance *it, bool continuous, const char *what)
 {
-    Outcome outcome = expect_exchange(it, what);
+    Outcome outcome = it->events ? DONE : expect_exchange(it, what);
+    const char *other = it->events ? "step" : "continuous-time";
     if (outcome == DONE) outcome = expect(it, STEPPING, what);
     if (outcome == DONE && it->continuous != continuous)
-        outcome = refuse(it, REFUSED, "%s in %s mode, expected %s mode", what, continuous ? "event" : "continuous-time",
-                         continuous ? "continuous-time" : "event");
+        outcome = refuse(it, REFUSED, "%s in %s mode, expected %s mode", what, continuous ? "event" : other,
+                         continuous ? other : "event");
     return outcome;
 }
 
@@ -57,7 +59,8 @@ Outcome instance_set_time(Instance *it, double time)
 Outcome instance_set_states(Instance *it, const double *x, size_t count)
 {
     Number text;
-    Outcome outcome = expect_mode(it, true, "set continuous states");
+    Outcome outcome = expect_exchange(it, "set continuous states");
+    if (outcome == DONE) outcome = expect_mode(it, true, "set continuous states");
     if (outcome == DONE) outcome = expect_count(it, count, it->unit->states, "continuous states");
     if (outcome != DONE) return outcome;
     for (size_t i = 0; i < count; i++)
@@ -109,7 +112,7 @@ Outcome instance_discrete_update(Instance *it, bool *states_changed, double *nex
 
 Outcome instance_enter_continuous(Instance *it)
 {
-    const Outcome outcome = expect_mode(it, false, "enter continuous-time mode");
+    const Outcome outcome = expect_mode(it, false, it->events ? "enter step mode" : "enter continuous-time mode");
     if (outcome == DONE) it->continuous = true;
     return outcome;
 }

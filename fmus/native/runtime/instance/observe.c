@@ -25,8 +25,8 @@ Outcome prepare(Instance *it)
         it->du[i] = k[1] + s * (2.0 * k[2] + s * 3.0 * k[3]);
         it->ddu[i] = 2.0 * k[2] + 6.0 * s * k[3];
     }
-    /* in model exchange, branches change in event mode only */
-    if (begin && (it->kind == CO_SIMULATION || it->phase == INITIALIZING)) change_due(it, it->time);
+    /* where there is an event mode, branches change in it alone */
+    if (begin && ((it->kind == CO_SIMULATION && !it->events) || it->phase == INITIALIZING)) change_due(it, it->time);
     return DONE;
 }
 

@@ -23,10 +23,11 @@ static uint64_t hashed(const void *bytes, size_t size)
     return hash;
 }
 
-/* Of the unit's token and the kind of instance: a block of another build, or of the other kind, is refused. */
+/* Of the unit's token and the kind of instance, with or without event mode: a block of another build, or of another
+ * kind, is refused. */
 static uint64_t identity(const Instance *it)
 {
-    return (hashed(it->unit->token, strlen(it->unit->token)) ^ (uint64_t)it->kind) * 1099511628211u;
+    return (hashed(it->unit->token, strlen(it->unit->token)) ^ (uint64_t)(it->events ? 2 : it->kind)) * 1099511628211u;
 }
 
 typedef struct {

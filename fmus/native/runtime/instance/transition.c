@@ -34,15 +34,21 @@ void inputs_at(Instance *it, double s)
     for (int i = 0; i < it->unit->inputs; i++, k += CUBIC) it->u[i] = k[0] + s * (k[1] + s * (k[2] + s * k[3]));
 }
 
-void change(Instance *it, double t)
+/* What the transition makes of state and modes, to next_x and next_m. */
+static void changed(Instance *it, double t)
 {
-    const Unit *unit = it->unit;
     const double **a = arguments_at(it, &t);
     a[4] = it->p;
     a[5] = it->c;
     it->results[0] = it->next_x;
     it->results[1] = it->next_m;
-    traced(it, &unit->change, a, it->results);
+    traced(it, &it->unit->change, a, it->results);
+}
+
+void change(Instance *it, double t)
+{
+    const Unit *unit = it->unit;
+    changed(it, t);
     for (int i = 0; i < unit->states; i++) it->x[i] = it->next_x[i];
     for (int i = 0; i < unit->modes; i++) it->m[i] = it->next_m[i];
 }
@@ -60,9 +66,26 @@ double next_event(Instance *it, double t)
     return due;
 }
 
+/* t, or the next event if it is a rounding error away. */
+static double event_at(Instance *it, double t)
+{
+    const double due = next_event(it, t), left = due - t;
+    return 0.0 < left && left <= EVENT_TOLERANCE * (1.0 + (t < 0.0 ? -t : t)) ? due : t;
+}
+
 void change_due(Instance *it, double t)
 {
-    if (!it->unit->change.call) return;
-    const double due = next_event(it, t), left = due - t;
-    change(it, 0.0 < left && left <= EVENT_TOLERANCE * (1.0 + (t < 0.0 ? -t : t)) ? due : t);
+    if (it->unit->change.call) change(it, event_at(it, t));
+}
+
+bool change_waits(Instance *it, double t)
+{
+    const Unit *unit = it->unit;
+    if (!unit->change.call) return false;
+    changed(it, event_at(it, t));
+    for (int i = 0; i < unit->states; i++)
+        if (it->next_x[i] != it->x[i]) return true;
+    for (int i = 0; i < unit->modes; i++)
+        if (it->next_m[i] != it->m[i]) return true;
+    return false;
 }

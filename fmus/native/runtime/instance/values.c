@@ -13,7 +13,7 @@ static bool settable(const Instance *it, const Variable *v)
     return it->phase == INSTANTIATED || it->phase == INITIALIZING || (it->phase == STEPPING && v->variability != FIXED);
 }
 
-/* In continuous-time mode only the inputs and their derivatives, which come after all other parameters. */
+/* In continuous-time and step mode only the inputs and their derivatives, which come after all other parameters. */
 static bool held(const Instance *it, unsigned reference)
 {
     return it->continuous && reference < (unsigned)it->unit->first.inputs;
@@ -35,7 +35,8 @@ static Outcome refuse_set(Instance *it, unsigned reference, double value)
         return refuse(it, REFUSED, "%s may not be set in phase %s: it is a %s %s", v->name, phase_name(it->phase),
                       variabilities[v->variability], causalities[v->causality]);
     if (held(it, reference))
-        return refuse(it, REFUSED, "%s may not be set in continuous-time mode: it is a tunable parameter", v->name);
+        return refuse(it, REFUSED, "%s may not be set in %s mode: it is a tunable parameter", v->name,
+                      it->kind == CO_SIMULATION ? "step" : "continuous-time");
     if (tied(it, reference))
         return refuse(it, REFUSED,
                       "%s may not be set: the states of another reduced model mean something else, this needs "

@@ -51,10 +51,13 @@ static Outcome study(Instance *it, Solver *s)
     const Linear *l = it->unit->linear;
     Outcome outcome = compare(it);
     s->model = state_space(&l->layout, it->c);
-    if (outcome == DONE && it->kind == CO_SIMULATION && l->reduced >= 0 && it->p[l->reduced] > 0.5) {
-        s->reduced = true;
-        s->room = malloc(sizeof(double) * reduced_size(&s->model));
-        outcome = s->room ? reduce(it, &s->model, s->room) : NO_MEMORY;
+    if (outcome == DONE && l->reduced >= 0 && it->p[l->reduced] > 0.5) {
+        /* model exchange keeps all states, and says the same of the error, which is a bound there */
+        StateSpace smaller = s->model;
+        s->room = malloc(sizeof(double) * reduced_size(&smaller));
+        outcome = s->room ? reduce(it, &smaller, s->room) : NO_MEMORY;
+        s->reduced = it->kind == CO_SIMULATION;
+        if (s->reduced) s->model = smaller;
     }
     if (outcome == DONE) outcome = resolve(it);
     if (l->states_used >= 0) it->c[l->states_used] = s->model.n;
