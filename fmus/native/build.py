@@ -34,11 +34,11 @@ from .traced import Traced
 RUNTIME = Path(__file__).resolve().parent / "runtime"
 
 
-def runtime_sources(fmi: int) -> dict[str, bytes]:
-    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI and without
-    ``chain``, which no unit uses yet, and those that are made from Python. The archive has them in one folder: FMI 2 names files
+def runtime_sources(fmi: int, chain: bool = False) -> dict[str, bytes]:
+    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI and, but for a wire,
+    without ``chain``, and those that are made from Python. The archive has them in one folder: FMI 2 names files
     in ``sources/`` alone."""
-    left_out = ("fmi3" if fmi == 2 else "fmi2", "chain")
+    left_out = ("fmi3" if fmi == 2 else "fmi2", "" if chain else "chain")
     files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name not in left_out)
     made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
     return {file.name: file.read_bytes() for file in files} | made
@@ -48,7 +48,8 @@ def contents(traced: Traced, fmi: int, reference: Reference | None) -> dict[str,
     """The members of the archive but for its libraries. ``reference`` is the reference run, None where there is none."""
     interface = traced.interface
     name = interface.unit.name
-    sources = runtime_sources(fmi) | {"model.c": model_source(traced.functions).encode()}
+    sources = runtime_sources(fmi, bool(traced.headers)) | {"model.c": model_source(traced.functions).encode()}
+    sources |= {name: text.encode() for name, text in traced.headers.items()}
     files = sorted(["unit.c", *(file for file in sources if file.endswith(".c"))])
 
     def members(token: str) -> dict[str, bytes]:

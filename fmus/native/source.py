@@ -56,10 +56,13 @@ def unit_source(traced: Traced, token: str) -> str:
         "state_names": text(", ".join(v.name for v in interface.states)),
         **{name: entry(functions[name]) for name in UNIT_FUNCTIONS if name in functions},
         "linear": "&linear" if traced.linear else "NULL",
+        "steps": "&wire_steps" if traced.headers else "NULL",
+        **({"point": "{" + ", ".join(entry(f) for name, f in functions.items() if name.startswith("point_")) + "}"}
+           if traced.headers else {}),
     }
     parts = [
         "/* What the runtime needs to know of the unit: made from its declaration and its traced model. */",
-        '#include <math.h>\n#include <stddef.h>\n#include "unit.h"',
+        '#include <math.h>\n#include <stddef.h>\n#include "unit.h"' + ('\n#include "wire.h"' if traced.headers else ""),
         "".join(declaration(function) for function in functions.values()).rstrip(),
         array("Variable", "variable", (_variable(v) for v in interface.variables)),
         array("int", "rate", (str(k) for k in _rates(unit.observed))),

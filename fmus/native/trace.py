@@ -14,6 +14,7 @@ import casadi as ca
 
 from ..declare.interface import Interface, declared_states
 from ..declare.unit import Unit
+from .trace_chain import trace_chain
 from .trace_linear import trace_linear
 from .traced import OPS, NotNative, Traced, column, dense, forward, parts
 
@@ -29,6 +30,8 @@ def trace(unit: Unit, structure: Mapping[str, float] | None = None) -> Traced:
         return trace_linear(unit, structure or {})
     for name in structure or {}:
         raise NotNative(f"{unit.name}.{name} is no structural parameter: {unit.name} has none")
+    if unit.model.numbers:
+        return trace_chain(unit)
     return _trace(unit)
 
 

@@ -190,6 +190,6 @@ WIRE = Model(
     "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space",
     Parameters, None, Modes, Inputs, Outputs, Calculated,
     initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
-    refusal=refusal_by(prepare),
+    refusal=refusal_by(prepare), numbers=wire_ports.numbers,
     floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )  # fmt: skip

@@ -56,7 +56,7 @@ def _components(vectors: AnyArray) -> Vector:
     return tuple(np.moveaxis(vectors, -1, 0))
 
 
-def _legendre(k: int, points: Rule) -> Array:
+def legendre(k: int, points: Rule) -> Array:
     """Row that takes values at points to the k-th Legendre coefficient, k below the degree."""
     row: Array = (k + 0.5) * points.weights * np.polynomial.Legendre.basis(k)(points.points)
     return row
@@ -191,7 +191,7 @@ class Chain:
         sizes, p = self.lengths(paid), self.mesh.degree
         g = self.slope(self.gather(r), sizes.half)
         last, before = (
-            np.linalg.norm(_legendre(k, self.rule) @ g, axis=1) if k >= 0 else np.zeros(len(g)) for k in (p - 1, p - 2)
+            np.linalg.norm(legendre(k, self.rule) @ g, axis=1) if k >= 0 else np.zeros(len(g)) for k in (p - 1, p - 2)
         )
         if p <= 2:
             before = last

@@ -33,6 +33,8 @@ FAR, ARRIVED = 0.3, 1e-7
 """Newton's change over the length that is never taken, and one that is taken whatever the forces do."""
 FIRST_TIME, SHORTER = 1.0, 0.25
 """Pseudo-time, s, when Newton's method goes astray at first, and its change when it does again."""
+NO_TENSION = 1e-30
+"""Added to a tension, N, so that a free end without load has a direction."""
 MAX_NEWTON = 200
 MAX_MARCHES = 60
 
@@ -169,7 +171,7 @@ def _marched(
 
         def slopes(_: float, y: Array, k=material) -> Array:  # type: ignore[no-untyped-def]
             r, n = y[:d], y[d:]
-            tension = math.sqrt(float(n @ n)) + 1e-30
+            tension = math.sqrt(float(n @ n)) + NO_TENSION
             g = tuple(((1.0 / tension + 1.0 / k.stiffness) * n).tolist())
             v, a = through(r)
             return np.array([*g, *load(g, tuple(v.tolist()), tuple(a.tolist()), k, FLOATS)])
