@@ -36,7 +36,7 @@ typedef struct {
     int levels;            /* of the flow */
     const double *level, *flow;
     PointFunction *loads, *derivatives, *change; /* change: of loads in a moment, for chain_look.c */
-    double *work; /* chain_work() numbers */
+    double *work;                                /* chain_work() numbers */
 } Chain;
 
 /* What is done to a wire at a time: position, velocity, acceleration of the top and of a held lower end; force on the
@@ -53,7 +53,8 @@ typedef struct {
 /* Half the length of an element with so much wire paid out, m. */
 double chain_half(const Chain *chain, int element, const double *paid);
 
-/* What the functions of a point take at point q of an element, with the place of the point in the band's derivatives. */
+/* What the functions of a point take at point q of an element, with the place of the point in the band's derivatives.
+ */
 typedef struct {
     double g[MOST_DIMENSIONS], rate[MOST_DIMENSIONS], v[MOST_DIMENSIONS], a[MOST_DIMENSIONS], slope[MOST_DIMENSIONS];
     double half, slide; /* slide: movement over the material, m/s */

@@ -14,8 +14,8 @@ static void slope_at(const Chain *wire, const ChainShape *shape, const GradedEle
     chain_shape_at(shape, element->section,
                    fmin(element->low + element->length - margin, fmax(element->low + margin, s)), y);
     for (int c = 0; c < d; c++) size += y[d + c] * y[d + c];
-    const double factor
-        = 1.0 / (sqrt(size) + CHAIN_NO_TENSION) + 1.0 / wire->material[element->section * POINT_MATERIAL];
+    const double factor =
+        1.0 / (sqrt(size) + CHAIN_NO_TENSION) + 1.0 / wire->material[element->section * POINT_MATERIAL];
     for (int c = 0; c < d; c++) g[c] = factor * y[d + c];
 }
 
@@ -35,8 +35,8 @@ static void judge(const Chain *wire, const ChainShape *shape, int degree, const 
             worst = fmax(worst, fabs(g[c] - interpolated));
         }
     }
-    element->error
-        = 0.5 * element->length * worst + CHAIN_BEND * element->length * pow(element->length / length, degree);
+    element->error =
+        0.5 * element->length * worst + CHAIN_BEND * element->length * pow(element->length / length, degree);
 }
 
 /* Of the elements with the largest error, equal ones but for rounding, the lowest. */

@@ -9,9 +9,9 @@ typedef struct {
     int section;
 } GradedElement;
 
-/* Divides `wire`, whose elements are its sections, into at most `most` elements (CHAIN_MOST_ELEMENTS of room) of `degree`, or as
- * many as `tolerance` of the length needs where that is above 0; returns how many, from the lower end up. `error`: of the
- * steady shape over the length. */
+/* Divides `wire`, whose elements are its sections, into at most `most` elements (CHAIN_MOST_ELEMENTS of room) of
+ * `degree`, or as many as `tolerance` of the length needs where that is above 0; returns how many, from the lower end
+ * up. `error`: of the steady shape over the length. */
 int chain_grade(const Chain *wire, const ChainShape *shape, int degree, const ChainRule *rule, int most,
                 double tolerance, GradedElement *elements, double *error);
 

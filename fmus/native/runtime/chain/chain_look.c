@@ -61,9 +61,13 @@ void chain_loads_change(const Chain *chain, const Motion *at, const double *paid
         chain_flow(chain, at->r[node + d - 1], value.by[5], slope);
         for (int c = 0; c < d; c++) seed.by[5][c] = slope[c] * change->r[node + d - 1];
         const double *arguments[2 * 9 + 2] = {
-            value.by[0], value.by[1], value.by[2], value.by[3], value.by[4], value.by[5], paid, place,
-            chain->material + element * POINT_MATERIAL, NULL, NULL,
-            seed.by[0], seed.by[1], seed.by[2], seed.by[3], seed.by[4], seed.by[5], paid_change, NULL, NULL,
+            value.by[0], value.by[1], value.by[2],
+            value.by[3], value.by[4], value.by[5],
+            paid,        place,       chain->material + element * POINT_MATERIAL,
+            NULL,        NULL,        seed.by[0],
+            seed.by[1],  seed.by[2],  seed.by[3],
+            seed.by[4],  seed.by[5],  paid_change,
+            NULL,        NULL,
         };
         double *results[] = {n + k * d, q + k * d};
         chain->change(arguments, results, NULL, chain->work, 0);

@@ -1,5 +1,5 @@
-/* What is read off a chain in motion, and how that changes: loads at points and on what is fixed to the wire, needed forces,
- * pulls, the error of the shape. Arrays at points: p + 1 an element, `dimensions` components each. */
+/* What is read off a chain in motion, and how that changes: loads at points and on what is fixed to the wire, needed
+ * forces, pulls, the error of the shape. Arrays at points: p + 1 an element, `dimensions` components each. */
 #ifndef TOWAGE_CHAIN_LOOK_H
 #define TOWAGE_CHAIN_LOOK_H
 

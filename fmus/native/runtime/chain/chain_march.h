@@ -18,8 +18,8 @@ typedef struct {
     double reached; /* m from the lower end, where the march ended */
 } ChainShape;
 
-/* The shape of a wire whose elements are its pieces, in water that moves past it with `velocity`, the top at zero; false: no
- * memory, or it was not found beyond shape->reached. */
+/* The shape of a wire whose elements are its pieces, in water that moves past it with `velocity`, the top at zero;
+ * false: no memory, or it was not found beyond shape->reached. */
 bool chain_march(const Chain *wire, const double *velocity, ChainShape *shape);
 void chain_shape_end(ChainShape *shape);
 

@@ -40,7 +40,8 @@ static bool settle(ChainStepper *stepper, double length)
             moved = fmax(moved, fabs(move));
         }
         const double growth = unbalance(stepper, trial) / before;
-        if (!(factored && moved < CHAIN_FAR * length && (growth < (w < longest ? 4.0 : 1.0) || moved < CHAIN_ARRIVED * length))) {
+        if (!(factored && moved < CHAIN_FAR * length
+              && (growth < (w < longest ? 4.0 : 1.0) || moved < CHAIN_ARRIVED * length))) {
             w = w < longest ? CHAIN_SHORTER * w : CHAIN_FIRST_TIME;
             if (w < 1e-9) return false;
             continue;

@@ -18,9 +18,9 @@ bool chain_stepper_begin(ChainStepper *stepper)
 {
     const Chain *chain = &stepper->chain;
     const size_t n = size_of(chain), width = (size_t)chain_width(chain);
-    double **const vectors[] = {stepper->kept,      stepper->kept + 1, stepper->kept + 2, &stepper->stage_r,
-                                &stepper->stage_u,  &stepper->stage_k, &stepper->base_r,  &stepper->base_u,
-                                &stepper->guess,    &stepper->change};
+    double **const vectors[] = {stepper->kept,     stepper->kept + 1, stepper->kept + 2, &stepper->stage_r,
+                                &stepper->stage_u, &stepper->stage_k, &stepper->base_r,  &stepper->base_u,
+                                &stepper->guess,   &stepper->change};
     const size_t count = sizeof vectors / sizeof *vectors;
     double *block = calloc(n * (count + 2 * MOST_STAGES + 2 * width + 1 + (size_t)chain->dimensions), sizeof *block);
     if (!block) return false;

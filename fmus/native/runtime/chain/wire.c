@@ -129,13 +129,24 @@ static bool make_room(Wire *wire)
         double **part;
         int size;
     } parts[] = {
-        {&wire->x, state},        {&wire->kept, state},     {&wire->steady, n},
-        {&wire->still, n},        {&wire->half, chain->elements},
+        {&wire->x, state},
+        {&wire->kept, state},
+        {&wire->steady, n},
+        {&wire->still, n},
+        {&wire->half, chain->elements},
         {&wire->material, chain->elements * POINT_MATERIAL},
-        {&wire->share, points},   {&wire->v, n},            {&wire->a, n},
-        {&wire->dv, n},           {&wire->da, n},           {&wire->needed, n},
-        {&wire->n, points * d},   {&wire->q, points * d},   {&wire->dn, points * d},
-        {&wire->dq, points * d},  {&wire->pulls, points * d}, {&wire->dpulls, points * d},
+        {&wire->share, points},
+        {&wire->v, n},
+        {&wire->a, n},
+        {&wire->dv, n},
+        {&wire->da, n},
+        {&wire->needed, n},
+        {&wire->n, points * d},
+        {&wire->q, points * d},
+        {&wire->dn, points * d},
+        {&wire->dq, points * d},
+        {&wire->pulls, points * d},
+        {&wire->dpulls, points * d},
     };
     size_t total = 0;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) total += (size_t)parts[i].size;

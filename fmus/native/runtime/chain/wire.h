@@ -1,5 +1,5 @@
-/* The unit `wire`: models/cable/units/wire.py over the chain in C. Its numbers, inputs, outputs and calculated parameters are
- * the structures of wire_ports.h, made from wire_ports.py. */
+/* The unit `wire`: models/cable/units/wire.py over the chain in C. Its numbers, inputs, outputs and calculated
+ * parameters are the structures of wire_ports.h, made from wire_ports.py. */
 #ifndef TOWAGE_WIRE_H
 #define TOWAGE_WIRE_H
 
@@ -11,10 +11,10 @@
 struct Wire {
     WireNumbers numbers;
     ChainStepper stepper;
-    int size;              /* of a vector at nodes */
-    const double *cubics;  /* of the inputs, over the step that is under way */
-    double *vectors;       /* all vectors that follow, in one block */
-    double *x, *kept;      /* the state of the instance, and what a refused step goes back to */
+    int size;               /* of a vector at nodes */
+    const double *cubics;   /* of the inputs, over the step that is under way */
+    double *vectors;        /* all vectors that follow, in one block */
+    double *x, *kept;       /* the state of the instance, and what a refused step goes back to */
     double *steady, *still; /* nodes at rest; zeros */
     double *half, *material, *share;
     int fixture_node[2];

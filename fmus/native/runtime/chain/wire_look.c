@@ -32,8 +32,7 @@ static void balance(Wire *wire, const double *n, const double *q, const double *
 {
     const Chain *chain = &wire->stepper.chain;
     chain_gather(chain, n, q, fixtures, wire->needed);
-    memcpy(forces->needed, wire->needed + wire->size - chain->dimensions,
-           (size_t)chain->dimensions * sizeof(double));
+    memcpy(forces->needed, wire->needed + wire->size - chain->dimensions, (size_t)chain->dimensions * sizeof(double));
     chain_pulls(chain, q, fixtures, pulls);
     forces->pulls = pulls;
 }
@@ -182,7 +181,8 @@ static Forces forces_change(Wire *wire, const Motion *at, const Drive *drive, co
 }
 
 /* Rates of the free nodes' accelerations, into da: nothing is needed at them at any time. */
-static bool accelerate(Wire *wire, const Motion *at, const Drive *drive, const Motion *change, const Drive *drive_change)
+static bool accelerate(Wire *wire, const Motion *at, const Drive *drive, const Motion *change,
+                       const Drive *drive_change)
 {
     ChainStepper *stepper = &wire->stepper;
     const int n = wire->size - stepper->chain.dimensions;

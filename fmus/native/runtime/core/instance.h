@@ -17,9 +17,9 @@ typedef struct Wire Wire;     /* chain/wire.h: the same of a wire */
 /* What a unit that steps by itself does in place of traced functions; how many states it has follows from its
  * parameters. Seeds are those of the instance. */
 typedef struct Steps {
-    Outcome (*make)(Instance *);  /* from p and c: room for the states, calculated parameters */
-    void (*end)(Instance *);      /* gives back what `make` took */
-    void (*begin)(Instance *);    /* states at the start of a run, all zero before */
+    Outcome (*make)(Instance *); /* from p and c: room for the states, calculated parameters */
+    void (*end)(Instance *);     /* gives back what `make` took */
+    void (*begin)(Instance *);   /* states at the start of a run, all zero before */
     Outcome (*advance)(Instance *, double step);
     Outcome (*observe)(Instance *, double *observed);
     Outcome (*forward)(Instance *, double seed_t, double *sensed);

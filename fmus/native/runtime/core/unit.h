@@ -118,7 +118,7 @@ typedef struct {
     Function next_event;            /* (t, m, p, c) -> time */
     Function outputs;               /* (t, x, m, u, du, p, c) -> observed */
     Function derivatives_forward,
-        outputs_forward;  /* CasADi's fwd1: arguments, results, one seed an argument -> derivatives */
+        outputs_forward;       /* CasADi's fwd1: arguments, results, one seed an argument -> derivatives */
     const Linear *linear;      /* NULL: not a linear unit */
     const struct Steps *steps; /* NULL: not a unit that steps by itself; it has no states that others know */
     /* Of a wire, in the plane and then in space: pull and load of a point (dr/ds, its rate, velocity through the water,

@@ -126,7 +126,8 @@ Outcome instance_restore(Instance *it, const void *block, size_t size)
     const Sizes s = {(size_t)head.states * sizeof(double), sizes(it).modes, sizes(it).values};
     if (head.states > size || size != sizeof head + s.states + s.modes + s.values
         || (!unit->steps && head.states != (uint64_t)unit->states) || head.identity != identity(it)
-        || head.phase < INSTANTIATED || head.phase >= FAILED || !finite_numbers((const char *)&head.time, 4 * sizeof head.time)
+        || head.phase < INSTANTIATED || head.phase >= FAILED
+        || !finite_numbers((const char *)&head.time, 4 * sizeof head.time)
         || !finite_numbers(from + sizeof head, size - sizeof head))
         return refuse(it, REFUSED, "this is not a state of %s", unit->name);
     if (it->phase == FAILED) return refuse(it, REFUSED, "the instance failed before: reset it, or free it");
