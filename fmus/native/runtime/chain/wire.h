@@ -3,6 +3,8 @@
 #ifndef TOWAGE_WIRE_H
 #define TOWAGE_WIRE_H
 
+#include <string.h>
+
 #include "chain_step.h"
 #include "instance.h"
 #include "wire_ports.h"
@@ -28,16 +30,44 @@ struct Wire {
 /* Numbers of a state behind its seven vectors, the displacement of the towpoint last. */
 enum { WIRE_STEP, WIRE_WEIGHT, WIRE_PAID0, WIRE_PAID1, WIRE_PAID2, WIRE_BEFORE, WIRE_OUT, WIRE_TOP };
 
-/* The state of the stepper is that at x, whose vectors it works on; and back. */
-void wire_load(Wire *wire, double *x);
-void wire_store(Wire *wire, double *x);
-
 /* Components of a vector of three among the inputs: those that the wire has. */
-void wire_components(const Wire *wire, const double *three, int stride, double *vector);
+static inline void wire_components(const Wire *wire, const double *three, int stride, double *vector)
+{
+    const int d = wire->stepper.chain.dimensions;
+    vector[0] = three[0];
+    if (d == 3) vector[1] = three[stride];
+    vector[d - 1] = three[2 * stride];
+}
+
+/* The state of the stepper is that at x, whose vectors it works on; and back. */
+static inline void wire_load(Wire *wire, double *x)
+{
+    ChainState *state = &wire->stepper.state;
+    const double *number = x + 7 * wire->size;
+    chain_state_in(state, x, wire->size);
+    state->step = number[WIRE_STEP];
+    state->made_weight = number[WIRE_WEIGHT];
+    memcpy(state->made_paid, number + WIRE_PAID0, sizeof state->made_paid);
+    state->before_step = number[WIRE_BEFORE];
+}
+
+static inline void wire_store(Wire *wire, double *x)
+{
+    const ChainState *state = &wire->stepper.state;
+    double *number = x + 7 * wire->size;
+    number[WIRE_STEP] = state->step;
+    number[WIRE_WEIGHT] = state->made_weight;
+    memcpy(number + WIRE_PAID0, state->made_paid, sizeof state->made_paid);
+    number[WIRE_BEFORE] = state->before_step;
+}
 
 extern const Steps wire_steps;
 
-/* For wire_steps: what is seen of a wire, and how it answers to seeds. */
+/* For wire_steps. A wire of its parameters, without its elements; NULL: no memory. Then all the rest. */
+Wire *wire_make(Instance *);
+Outcome wire_settle(Instance *);
+void wire_free(Wire *);
+/* What is seen of a wire, and how it answers to seeds. */
 Outcome wire_observe(Instance *, double *observed);
 Outcome wire_forward(Instance *, double seed_t, double *sensed);
 /* Forces at rest, from which outputs count, and the calculated parameters. */
