@@ -159,10 +159,10 @@ def rules_source() -> str:
     text, entries = '#include "chain.h"\n\n' + _table("CHAIN_INNER", grading.inner_places()), []
     for p in range(1, LARGEST_DEGREE + 1):
         points = rule(p)
-        before = legendre(p - 2, points) if p > 1 else np.zeros(p + 1)
+        before = legendre(p - 2, p) if p > 1 else np.zeros(p + 1)
         tables = {
             "POINTS": points.points, "WEIGHTS": points.weights, "SLOPES": points.slopes, "INTEGRALS": points.integrals,
-            "LAST": legendre(p - 1, points), "BEFORE": before, "SAMPLES": lagrange(p, grading.inner_places()),
+            "LAST": legendre(p - 1, p), "BEFORE": before, "SAMPLES": lagrange(p, grading.inner_places()),
         }  # fmt: skip
         text += "".join(_table(f"DEGREE_{p}_{name}", values.ravel()) for name, values in tables.items())
         entries.append("    {" + ", ".join(f"DEGREE_{p}_{name}" for name in tables) + "}")
