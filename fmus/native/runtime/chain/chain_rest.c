@@ -48,7 +48,8 @@ static bool settle(ChainStepper *stepper, double length)
         }
         memcpy(state->position, trial, (size_t)n * sizeof *trial);
         if (w == longest && moved < CHAIN_TOLERANCE * length) return true;
-        w = w > 1e4 ? longest : 10.0 * w;
+        w *= fmin(10.0, fmax(1.5, 1.0 / sqrt(growth)));
+        if (!(w < 1e4)) w = longest;
     }
     return false;
 }
