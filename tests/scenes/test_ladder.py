@@ -34,6 +34,8 @@ from towage.scene.scene import Scene, available_scenes
 from towage.scene.select import select
 from towage.units.store import locator
 
+LUMPED = str(Path(__file__).parent / "verdict" / "heavy_weather_lumped.toml")
+"""Heavy weather on `tow_cable_nonlinear`."""
 SHORT = {"stop_time": 40.0, "checks.sdof.settle": 16.0}
 """Two waves of `sea_cliff` after her start."""
 

@@ -155,7 +155,7 @@ class Chain:
         n, d = nodes.shape
         bytes_, width = nodes.strides
         # elements share their ends
-        points: AnyArray = np.ndarray((n // p, p + 1, d), nodes.dtype, nodes, 0, (p * bytes_, bytes_, width))
+        points: AnyArray = np.ndarray(((n - 1) // p, p + 1, d), nodes.dtype, nodes, 0, (p * bytes_, bytes_, width))
         return points
 
     def scatter(self, points: Array) -> Array:
