@@ -28,7 +28,7 @@ from towage.scene.scene import Scene
 
 ROOT = Path(__file__).resolve().parents[1]
 AMPLITUDE, LENGTH = 0.2, 60.0
-MESHES = ((1, 6, 3e-3), (2, 5, 1e-3))
+MESHES = ((1, 6, 1e-2), (1, 6, 3e-3), (2, 5, 1e-3))
 """Elements, degree, tolerance of the velocities, m/s."""
 SCENE = """title = "benchmark"
 stop_time = "{stop} s"

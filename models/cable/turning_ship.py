@@ -7,7 +7,7 @@
 | psi | heading, positive to port | rad |
 | U, R | speed along the course, radius of the turn (negative: to starboard) | m/s, m |
 | t0, angle | begin of the turn; what the ship turns by | s, rad |
-| I | integral of the ramp s^3 (10 - 15 s + 6 s^2), s = t/ease within [0, 1], and of 1 after it: the rate of turning sets in and dies out over ``ease_time`` | s |
+| I | integral of the ramp s^3 (10 - 15 s + 6 s^2), s = t/``ease_time`` within [0, 1], by which turning sets in and dies out | s |
 | v | velocity forward and to port in the frame of the old course | m/s |
 
 Assumptions: (1) the speed along the course stays; (2) no drift, no heel.

@@ -173,7 +173,7 @@ def test_refusals_say_what_helps(make: Make) -> None:
 
 def test_numbers_are_those_of_the_model() -> None:
     """What C takes is what Python makes of the same parameters, section by section."""
-    p = wire_ports.Parameters(**{v.name: {**{n.name: n.start for n in UNIT.parameters}, **ARRAY}[v.name] for v in UNIT.parameters})
+    p = wire_ports.Parameters(**{**{v.name: v.start for v in UNIT.parameters}, **ARRAY})
     wire, found = wire_ports.wire_of(p), wire_ports.numbers(p, FLOATS)
     assert (found.tail, found.wire) == tuple(part.material(p.water_density) for part in wire.sections)
     assert wire.body is not None and found.body[3] == wire.body.weight and found.clump[3] == wire.clumps[0][1].weight

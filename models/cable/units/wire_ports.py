@@ -181,7 +181,7 @@ def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
             for one, other in zip(of_eames, (across.normal, across.tangential))
         )
         return Section(
-            length, mass, weight, diameter, stiffness, 1.0, Loading(*terms), p.added_mass_coefficient, p.wire_damping,  # type: ignore[arg-type]
+            length, mass, weight, diameter, stiffness, 1.0, Loading(*terms), p.added_mass_coefficient, p.wire_damping,
         )  # fmt: skip
 
     return (
@@ -192,17 +192,17 @@ def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
     )  # fmt: skip
 
 
-def _masses(p: Parameters) -> tuple[Mass, Mass]:
-    """(Body, clump)."""
+def _masses(p: Parameters) -> tuple[tuple[Value, ...], tuple[Value, ...]]:
+    """(Body, clump), as `Mass` takes them."""
     return (
-        Mass(p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area),
-        Mass(p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area),
+        (p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area),
+        (p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area),
     )
 
 
 def wire_of(p: Parameters) -> Wire:
     """The wire that the parameters describe. Raises `CableError`."""
-    (tail, wire), (body, clump) = _sections(p, FLOATS), _masses(p)
+    (tail, wire), (body, clump) = _sections(p, FLOATS), (Mass(*each) for each in _masses(p))
     if p.tail_length > 0.0:
         return Wire((tail, wire), body, p.water_density, ((p.tail_length, clump),))
     return Wire((wire,), body, p.water_density)
@@ -253,7 +253,7 @@ def numbers(p: Parameters, ops: Ops) -> Numbers:
     (tail, wire), masses = _sections(p, ops), _masses(p)
     changes, below, above = _flow(p, ops)
     body, clump = (
-        (*([mass.mass + mass.added_mass] * 3), mass.weight, 0.5 * p.water_density * mass.drag_area) for mass in masses
+        (*([mass + added] * 3), weight, 0.5 * p.water_density * area) for mass, added, weight, area in masses
     )
     return Numbers(
         ops.where(p.in_space > 0.5, 3.0, 2.0), p.elements, p.degree, p.tolerance, p.velocity_tolerance, p.largest_step,

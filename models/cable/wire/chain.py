@@ -187,7 +187,8 @@ class Chain:
     def _water(self, z: AnyArray) -> Array:
         """Velocity of the water at heights, (..., d), or (d,) where it is the same at all."""
         if len(self.flow.z) == 1:
-            return self.flow.velocity[0]
+            everywhere: Array = self.flow.velocity[0]
+            return everywhere
         return self.flow.at(z.ravel())[0].reshape(*z.shape, self.dimensions)
 
     def _loads(self, r: Array, u: Array, b: Array, drive: Drive, sizes: Lengths) -> tuple[Array, Array]:
