@@ -18,8 +18,7 @@ import casadi as ca
 import numpy as np
 
 from ...models.cable.wire import grading, rest, stepper
-from ...models.cable.wire.chain import legendre
-from ...models.cable.wire.elements import LARGEST_DEGREE, lagrange, rule
+from ...models.cable.wire.elements import LARGEST_DEGREE, lagrange, legendre, rule
 from ...models.cable.wire.point import SMALL_SPEED2, Material, load, pull
 from ...models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
 from ...models.numeric.tableaus import DORMAND_PRINCE_5

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +26,7 @@ import numpy as np
 from ...numeric.arrays import AnyArray, Array
 from ...numeric.ops import Ops, arrays
 from ..case import CableError
-from .elements import Rule, rule
+from .elements import Rule, legendre, rule
 from .mesh import Mesh
 from .parts import Flow, Wire
 from .point import Fixture, Material, Vector, fixture_load, load, pull
@@ -63,14 +63,6 @@ def _joined(components: Vector) -> AnyArray:
     for k, component in enumerate(components):
         vectors[..., k] = component
     return vectors
-
-
-@cache
-def legendre(k: int, degree: int) -> Array:
-    """Row that takes values at the points of an element to the k-th Legendre coefficient, k below the degree."""
-    points = rule(degree)
-    row: Array = (k + 0.5) * points.weights * np.polynomial.Legendre.basis(k)(points.points)
-    return row
 
 
 def _spread(material: Sequence[Material], section: AnyArray) -> Material:

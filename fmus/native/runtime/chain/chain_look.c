@@ -46,7 +46,7 @@ static void gather_point(const Chain *chain, int element, int q, const Motion *a
     memcpy(got->by[4], at->b + first + q * d, (size_t)d * sizeof(double));
 }
 
-void chain_loads_change(const Chain *chain, const Motion *at, const double *paid, const Motion *change,
+void chain_loads_change(const Chain *chain, const Motion *at, const double *paid, const Motion *delta,
                         const double *paid_change, double *n, double *q)
 {
     const int d = chain->dimensions, points = chain->degree + 1;
@@ -57,9 +57,9 @@ void chain_loads_change(const Chain *chain, const Motion *at, const double *paid
         double slope[MOST_DIMENSIONS];
         Gathered value, seed;
         gather_point(chain, element, k % points, at, &value);
-        gather_point(chain, element, k % points, change, &seed);
+        gather_point(chain, element, k % points, delta, &seed);
         chain_flow(chain, at->r[node + d - 1], value.by[5], slope);
-        for (int c = 0; c < d; c++) seed.by[5][c] = slope[c] * change->r[node + d - 1];
+        for (int c = 0; c < d; c++) seed.by[5][c] = slope[c] * delta->r[node + d - 1];
         const double *arguments[2 * 9 + 2] = {
             value.by[0], value.by[1], value.by[2],
             value.by[3], value.by[4], value.by[5],
@@ -85,7 +85,7 @@ void chain_fixture_loads(const Chain *chain, const Motion *at, const double *for
     for (int c = 0; c < d; c++) loads[c] -= force[c];
 }
 
-void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Motion *change, const double *force_change,
+void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Motion *delta, const double *force_change,
                                 double *loads)
 {
     const int d = chain->dimensions;
@@ -95,11 +95,11 @@ void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Moti
         double v[MOST_DIMENSIONS], slope[MOST_DIMENSIONS], dv[MOST_DIMENSIONS], along = 0.0;
         const double speed = chain_fixture_speed(chain, at->r + node, at->u + node, v, slope);
         for (int c = 0; c < d; c++) {
-            dv[c] = change->u[node + c] - slope[c] * change->r[node + d - 1];
+            dv[c] = delta->u[node + c] - slope[c] * delta->r[node + d - 1];
             along += v[c] * dv[c] / speed;
         }
         for (int c = 0; c < d; c++)
-            loads[k * d + c] = numbers[c] * change->b[node + c] + numbers[d + 1] * (along * v[c] + speed * dv[c]);
+            loads[k * d + c] = numbers[c] * delta->b[node + c] + numbers[d + 1] * (along * v[c] + speed * dv[c]);
     }
     for (int c = 0; c < d; c++) loads[c] -= force_change[c];
 }
@@ -141,7 +141,7 @@ void chain_pulls(const Chain *chain, const double *q, const double *fixtures, do
 
 /* Size of a Legendre coefficient of the slope, and its change. */
 static double coefficient(const Chain *chain, const double *row, const double *r, const double *dr, double half,
-                          double dhalf, double *change)
+                          double dhalf, double *delta)
 {
     const int d = chain->dimensions, points = chain->degree + 1;
     double square = 0.0, along = 0.0;
@@ -158,12 +158,12 @@ static double coefficient(const Chain *chain, const double *row, const double *r
         along += value * moved;
     }
     const double size = sqrt(square);
-    *change = size > 0.0 ? along / size : 0.0;
+    *delta = size > 0.0 ? along / size : 0.0;
     return size;
 }
 
 double chain_shape_error(const Chain *chain, const double *r, double paid, const double *dr, double dpaid,
-                         double *change)
+                         double *delta)
 {
     const int d = chain->dimensions, p = chain->degree;
     const double out[3] = {paid};
@@ -180,12 +180,12 @@ double chain_shape_error(const Chain *chain, const double *r, double paid, const
             dbefore = dlast;
         }
         length += 2.0 * chain->half[e];
-        if (!(before > 1e-300)) continue;
+        if (!(before > 0.0)) continue;
         const double error = half * last * last / before;
         if (error < worst) continue;
         worst = error;
         worst_change = (dhalf * last * last + 2.0 * half * last * dlast - error * dbefore) / before;
     }
-    if (change) *change = (worst_change - worst * dpaid / length) / length;
+    if (delta) *delta = (worst_change - worst * dpaid / length) / length;
     return worst / length;
 }

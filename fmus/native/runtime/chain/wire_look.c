@@ -150,7 +150,7 @@ Outcome wire_observe(Instance *it, double *observed)
 }
 
 /* A change of motion and drive: that of the inputs' seeds, or in time, where the wire's own rates come with it. */
-static void seeded(Instance *it, double seed_t, Motion *change, Drive *drive)
+static void seeded(Instance *it, double seed_t, Motion *delta, Drive *drive)
 {
     Wire *wire = it->wire;
     const size_t bytes = (size_t)wire->size * sizeof(double);
@@ -165,28 +165,27 @@ static void seeded(Instance *it, double seed_t, Motion *change, Drive *drive)
     drive->paid[0] = seed_t * it->u[IN_PAYOUT_SPEED];
     drive->paid[1] = it->seed_u[IN_PAYOUT_SPEED];
     drive->paid[2] = it->seed_du[IN_PAYOUT_SPEED];
-    *change = (Motion){seed_t != 0.0 ? wire->v : wire->still, wire->dv, wire->da};
+    *delta = (Motion){seed_t != 0.0 ? wire->v : wire->still, wire->dv, wire->da};
 }
 
-static Forces forces_change(Wire *wire, const Motion *at, const Drive *drive, const Motion *change,
+static Forces forces_change(Wire *wire, const Motion *at, const Drive *drive, const Motion *delta,
                             const Drive *drive_change)
 {
     const Chain *chain = &wire->stepper.chain;
     double fixtures[2 * MOST_DIMENSIONS];
     Forces forces;
-    chain_loads_change(chain, at, drive->paid, change, drive_change->paid, wire->dn, wire->dq);
-    chain_fixture_loads_change(chain, at, change, drive_change->force, fixtures);
+    chain_loads_change(chain, at, drive->paid, delta, drive_change->paid, wire->dn, wire->dq);
+    chain_fixture_loads_change(chain, at, delta, drive_change->force, fixtures);
     balance(wire, wire->dn, wire->dq, fixtures, wire->dpulls, &forces);
     return forces;
 }
 
 /* Rates of the free nodes' accelerations, into da: nothing is needed at them at any time. */
-static bool accelerate(Wire *wire, const Motion *at, const Drive *drive, const Motion *change,
-                       const Drive *drive_change)
+static bool accelerate(Wire *wire, const Motion *at, const Drive *drive, const Motion *delta, const Drive *drive_change)
 {
     ChainStepper *stepper = &wire->stepper;
     const int n = wire->size - stepper->chain.dimensions;
-    forces_change(wire, at, drive, change, drive_change);
+    forces_change(wire, at, drive, delta, drive_change);
     chain_band(&stepper->chain, at, drive->paid, 0.0, stepper->band, stepper->inertia);
     stepper->factored = false;
     if (!chain_factor(&stepper->chain, stepper->band)) return false;
@@ -201,15 +200,15 @@ Outcome wire_forward(Instance *it, double seed_t, double *sensed)
     const int d = wire->stepper.chain.dimensions;
     const bool space = d == 3;
     int least, most;
-    Motion at, change;
+    Motion at, delta;
     Drive drive, drive_change;
     double error_change;
     present(wire, it->x, it->u, it->du, &at, &drive);
-    seeded(it, seed_t, &change, &drive_change);
-    if (seed_t != 0.0 && !accelerate(wire, &at, &drive, &change, &drive_change)) wire->da[0] = NAN;
+    seeded(it, seed_t, &delta, &drive_change);
+    if (seed_t != 0.0 && !accelerate(wire, &at, &drive, &delta, &drive_change)) wire->da[0] = NAN;
     const Forces forces = forces_at(wire, &at, &drive);
-    const Forces df = forces_change(wire, &at, &drive, &change, &drive_change);
-    const double *f = forces.needed, *g = df.needed, *dr = change.r, *dv = change.u;
+    const Forces df = forces_change(wire, &at, &drive, &delta, &drive_change);
+    const double *f = forces.needed, *g = df.needed, *dr = delta.r, *dv = delta.u;
     extremes(wire, forces.pulls, &least, &most);
     const double smallest = size_of(forces.pulls + least * d, d);
     const double dleast = size_change(forces.pulls + least * d, df.pulls + least * d, d);
