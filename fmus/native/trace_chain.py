@@ -18,6 +18,7 @@ import casadi as ca
 import numpy as np
 
 from ...models.cable.wire import grading, rest, stepper
+from ...models.cable.wire.chain import HAULED
 from ...models.cable.wire.elements import LARGEST_DEGREE, lagrange, legendre, rule
 from ...models.cable.wire.point import SMALL_SPEED2, Material, load, pull
 from ...models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
@@ -176,11 +177,11 @@ def limits_source() -> str:
             "SLOW", "NEWTON", "SAFETY", "LEAST", "MOST", "LESS", "NO_ERROR", "ROUNDING", "END", "WORTH", "RUNAWAY",
             "DIVERGING", "MAX_ITERATIONS", "MAX_HALVINGS",
         ),
-        rest: ("TOLERANCE", "MARCHED", "FAR", "ARRIVED", "FIRST_TIME", "SHORTER", "MAX_NEWTON", "MAX_MARCHES", "NO_TENSION"),
+        rest: ("TOLERANCE", "MARCHED", "FAR", "ARRIVED", "FIRST_TIME", "SHORTER", "SHORTEST", "MAX_NEWTON", "MAX_MARCHES", "NO_TENSION"),
         grading: ("MOST_ELEMENTS", "BEND", "SAMPLES", "INSIDE", "EQUAL"),
     }  # fmt: skip
     numbers = {name: getattr(module, name) for module, each in names.items() for name in each}
-    numbers |= {"SMALL_SPEED2": SMALL_SPEED2, **{f: Material._fields.index(f.lower()) for f in ("DAMPING", "WEIGHT")}}
+    numbers |= {"SMALL_SPEED2": SMALL_SPEED2, "HAULED": HAULED, **{f: Material._fields.index(f.lower()) for f in ("DAMPING", "WEIGHT")}}
     return _header("chain_limits", "".join(f"#define CHAIN_{name} {value!r}\n" for name, value in numbers.items()))
 
 

@@ -33,6 +33,8 @@ from .point import Fixture, Material, Vector, fixture_load, load, pull
 
 STEP = 1e-150
 """Complex step of derivatives, exact to rounding."""
+HAULED = 1e-3
+"""Share of the last section that cannot be hauled in."""
 
 
 Paid = tuple[float, float, float]
@@ -133,7 +135,7 @@ class Chain:
     def _lengths(self, paid: Paid) -> Lengths:
         last = self.wire.sections[-1].length
         added, rate, change = paid
-        if last + added <= 1e-3 * last:
+        if last + added <= HAULED * last:
             raise CableError(f"the last section of {last:g} m is hauled in but for {last + added:.3g} m: give it more length")
         grows = (self.mesh.section == len(self.wire.sections) - 1)[:, None]
         factor = np.where(grows, 1.0 + added / last, 1.0)

@@ -1,6 +1,7 @@
 /* Dormand and Prince's method of order 5(4), as models/numeric/tableaus.py has it, with cubics between its steps: the
  * accuracy asked of a step makes them exact to far below what a mesh is chosen by. */
 #include "chain_march.h"
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,11 +89,11 @@ static bool through(const March *march, double length, double *s, double *y, Cha
     const double begin = *s, own = 2.0 * chain->half[march->piece];
     const double weight = chain->material[march->piece * POINT_MATERIAL + CHAIN_WEIGHT];
     double slope[MARCH_SIZE] = {0.0}, end[MARCH_SIZE] = {0.0}, end_slope[MARCH_SIZE] = {0.0}, size[MARCH_SIZE];
-    double pull = fabs(weight) * own + 1.0, h = 1e-3 * own, done = 0.0;
+    double pull = fabs(weight) * own + 1.0, h = own / 1024.0, done = 0.0;
     for (int c = 0; c < d; c++) pull += fabs(y[d + c]);
     for (int c = 0; c < d; c++) {
-        size[c] = 1e-3 * TOLERANCE * length;
-        size[d + c] = 1e-3 * TOLERANCE * pull;
+        size[c] = TOLERANCE / 1024.0 * length;
+        size[d + c] = TOLERANCE / 1024.0 * pull;
     }
     slopes_at(march, y, slope);
     if (!record(shape, begin, y, slope)) return false;
@@ -111,7 +112,7 @@ static bool through(const March *march, double length, double *s, double *y, Cha
             if (last) return true;
         }
         h = taken * fmin(CHAIN_MOST, fmax(CHAIN_LEAST, grow));
-        if (!(h > 1e-15 * own)) return false;
+        if (!(h > DBL_EPSILON * own)) return false;
     }
     return false;
 }

@@ -43,7 +43,7 @@ static bool settle(ChainStepper *stepper, double length)
         if (!(factored && moved < CHAIN_FAR * length
               && (growth < (w < longest ? 4.0 : 1.0) || moved < CHAIN_ARRIVED * length))) {
             w = w < longest ? CHAIN_SHORTER * w : CHAIN_FIRST_TIME;
-            if (w < 1e-9) return false;
+            if (w < CHAIN_SHORTEST) return false;
             continue;
         }
         memcpy(state->position, trial, (size_t)n * sizeof *trial);

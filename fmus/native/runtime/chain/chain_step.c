@@ -224,7 +224,7 @@ static double attempt(ChainStepper *stepper, double t, double step)
         memset(&drive, 0, sizeof drive);
         stepper->motion(stepper->data, t + table->places[s - 1] * step, &drive);
         /* a held top has no wire to give */
-        stepper->hauled = stepper->chain.last + drive.paid[0] <= 1e-3 * stepper->chain.last;
+        stepper->hauled = stepper->chain.last + drive.paid[0] <= CHAIN_HAULED * stepper->chain.last;
         if (stepper->hauled || !solve_stage(stepper, weight, &drive)) return -1.0;
         memcpy(stepper->us + s * n, stepper->stage_u, bytes);
         memcpy(stepper->ks + s * n, stepper->stage_k, bytes);

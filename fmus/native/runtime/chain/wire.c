@@ -14,17 +14,17 @@ static void motion(void *data, double s, Drive *drive)
 {
     const Wire *wire = data;
     const double *number = wire->x + 7 * wire->size;
-    double place[3], speed[3], change[3], force[3];
+    double place[3], speed[3], faster[3], force[3];
     for (int i = 0; i < 3; i++) {
         const double *k = wire->cubics + CUBIC * (IN_VELOCITY_SURGE + i);
         place[i] = integral(k, s);
         speed[i] = value(k, s);
-        change[i] = rate(k, s);
+        faster[i] = rate(k, s);
         force[i] = value(wire->cubics + CUBIC * (IN_BODY_FORCE_SURGE + i), s);
     }
     wire_components(wire, place, 1, drive->top[0]);
     wire_components(wire, speed, 1, drive->top[1]);
-    wire_components(wire, change, 1, drive->top[2]);
+    wire_components(wire, faster, 1, drive->top[2]);
     wire_components(wire, force, 1, drive->force);
     for (int c = 0; c < wire->stepper.chain.dimensions; c++) drive->top[0][c] += number[WIRE_TOP + c];
     const double *winch = wire->cubics + CUBIC * IN_PAYOUT_SPEED;
