@@ -17,6 +17,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...models.cable.units.wire_ports import LEAST_ROOM
 from ...models.cable.wire import grading, rest, stepper
 from ...models.cable.wire.chain import HAULED
 from ...models.cable.wire.elements import LARGEST_DEGREE, lagrange, legendre, rule
@@ -104,7 +105,7 @@ def ports_source(unit: Unit, numbers: Any) -> str:
     sizes = {name: len(value) if isinstance(value, tuple) else 1 for name, value in numbers._asdict().items()}
     inputs = ", ".join(f"IN_{v.name.upper()}" for v in unit.inputs)
     return _header(
-        "wire_ports", f"enum {{ {inputs} }};\n\n" + structure("WireNumbers", sizes)
+        "wire_ports", f"enum {{ {inputs} }};\n\n#define WIRE_LEAST_ROOM {LEAST_ROOM!r}\n\n" + structure("WireNumbers", sizes)
         + structure("WireCalculated", {v.name: 1 for v in unit.calculated})
         + structure("WireOutputs", {v.name: 1 for v in unit.observed}),
     )  # fmt: skip
@@ -177,11 +178,15 @@ def limits_source() -> str:
             "SLOW", "NEWTON", "SAFETY", "LEAST", "MOST", "LESS", "NO_ERROR", "ROUNDING", "END", "WORTH", "RUNAWAY",
             "DIVERGING", "MAX_ITERATIONS", "MAX_HALVINGS",
         ),
-        rest: ("TOLERANCE", "MARCHED", "FAR", "ARRIVED", "FIRST_TIME", "SHORTER", "SHORTEST", "MAX_NEWTON", "MAX_MARCHES", "NO_TENSION"),
+        rest: (
+            "TOLERANCE", "MARCHED", "FAR", "ARRIVED", "FIRST_TIME", "SHORTER", "SHORTEST", "MAX_NEWTON", "MAX_MARCHES",
+            "NO_TENSION",
+        ),
         grading: ("MOST_ELEMENTS", "BEND", "SAMPLES", "INSIDE", "EQUAL"),
     }  # fmt: skip
     numbers = {name: getattr(module, name) for module, each in names.items() for name in each}
-    numbers |= {"SMALL_SPEED2": SMALL_SPEED2, "HAULED": HAULED, **{f: Material._fields.index(f.lower()) for f in ("DAMPING", "WEIGHT")}}
+    numbers |= {"SMALL_SPEED2": SMALL_SPEED2, "HAULED": HAULED}
+    numbers |= {f: Material._fields.index(f.lower()) for f in ("DAMPING", "WEIGHT")}
     return _header("chain_limits", "".join(f"#define CHAIN_{name} {value!r}\n" for name, value in numbers.items()))
 
 

@@ -169,7 +169,7 @@ def outputs(
         math.atan2(float(needed[-1]), math.hypot(float(needed[0]), side(needed))), -float(r[0, -1]), -float(away[0]),
         side(away), float(moved[0]), side(moved), float(moved[-1]), *speed, chain.wire.length + paid,
         min(1.0, least / prepared.tensions[0]),
-        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], 1e-9) if p.breaking_load > 0.0 else 1.0,
+        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], wire_ports.LEAST_ROOM) if p.breaking_load > 0.0 else 1.0,
         1.0 - error / p.tolerance, *speed,
     )  # fmt: skip
 

@@ -18,6 +18,8 @@ from .ports import SteadyTensionBody, SteadyTensionTop
 VELOCITIES = ("velocity_surge", "velocity_sway", "velocity_heave", "payout_speed")
 FORCES = ("body_force_surge", "body_force_sway", "body_force_heave")
 ALL = (*VELOCITIES, *FORCES)
+LEAST_ROOM = 1e-9
+"""Steady room to the breaking load, N, where there is none."""
 
 
 @dataclass(frozen=True)

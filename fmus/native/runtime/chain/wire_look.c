@@ -102,7 +102,10 @@ void wire_rest(Wire *wire, double *calculated)
     memcpy(calculated, &values, sizeof values);
 }
 
-static double breaking_scale(const Wire *wire) { return fmax(wire->numbers.breaking_load - wire->most, 1e-9); }
+static double breaking_scale(const Wire *wire)
+{
+    return fmax(wire->numbers.breaking_load - wire->most, WIRE_LEAST_ROOM);
+}
 
 Outcome wire_observe(Instance *it, double *observed)
 {
