@@ -25,7 +25,7 @@ import moordyn_tow
 import numpy as np
 from moordyn_tow import FREQUENCY, SPEED, harmonic, tow_case
 
-from towage.fmus.native.trace_chain import chain_sources
+from towage.fmus.native.trace_chain import chain_headers, point_source
 from towage.models.cable.wire.chain import Chain
 from towage.models.cable.wire.grading import graded_mesh
 from towage.models.cable.wire.parts import Mass, Section, Wire, cross_flow_section, uniform_flow
@@ -68,16 +68,14 @@ class Bare:
         return self.motion + self.setup / 60.0
 
 
-def build(folder: Path, dimensions: int) -> Path:
-    """The host for two or three dimensions, compiled."""
-    place = folder / f"{dimensions}d"
-    place.mkdir()
-    for name, text in chain_sources(dimensions).items():
-        (place / name).write_text(text)
-    sources = [*RUNTIME.glob("*.c"), place / "point.c", Path(__file__).with_name("wire_host.c")]
-    program = place / "wire_host"
+def build(folder: Path) -> Path:
+    """The host, compiled."""
+    for name, text in {**chain_headers(), "point.c": point_source()}.items():
+        (folder / name).write_text(text)
+    sources = [*RUNTIME.glob("chain*.c"), folder / "point.c", Path(__file__).with_name("wire_host.c")]
+    program = folder / "wire_host"
     subprocess.run(
-        ["cc", "-std=c99", "-O2", "-I", str(RUNTIME), "-I", str(place), *map(str, sources), "-lm", "-o", str(program)],
+        ["cc", "-std=c99", "-O2", "-I", str(RUNTIME), "-I", str(folder), *map(str, sources), "-lm", "-o", str(program)],
         check=True,
     )  # fmt: skip
     return program
@@ -89,7 +87,7 @@ def numbers(chain: Chain, setting: list[float], times: list[float]) -> str:
     out: list[float] = [chain.dimensions, chain.mesh.degree, len(chain.mesh.lengths), 0.0, 0.0]
     material = np.hstack([np.broadcast_to(column, (len(chain.mesh.lengths), 1)) for column in chain.material])
     out += [*(0.5 * chain.mesh.lengths), *material.ravel()]
-    out += [*chain.rule.points, *chain.rule.weights, *chain.rule.slopes.ravel(), len(nodes)]
+    out += [len(nodes)]
     for k, node in enumerate(nodes):
         out += [node, *(m[k] for m in fixture.masses), fixture.weight[k], fixture.drag[k]]
     out += [1.0, 0.0, *np.zeros(chain.dimensions), *setting, len(times), *times]
@@ -271,8 +269,9 @@ def main() -> None:
     parser.add_argument("--no-moordyn", action="store_true")
     quick = parser.parse_args().no_moordyn
     with tempfile.TemporaryDirectory() as folder:
-        printed("Heave of 0.2 m, in the plane", heave_rows(build(Path(folder), 2), quick))
-        printed("A turn of 60 m, in space", turn_rows(build(Path(folder), 3), quick))
+        program = build(Path(folder))
+        printed("Heave of 0.2 m, in the plane", heave_rows(program, quick))
+        printed("A turn of 60 m, in space", turn_rows(program, quick))
 
 
 if __name__ == "__main__":

@@ -2,13 +2,14 @@
  *
  *     wire_host < CASE
  *
- * A case is numbers in this order: dimensions degree elements held damped; half lengths; material; points; weights;
- * slopes; number of fixtures, then node and numbers of each; levels, z and flow of each; tolerance, largest step,
+ * A case is numbers in this order: dimensions degree elements held damped; half lengths; material; number of
+ * fixtures, then node and numbers of each; levels, z and flow of each; tolerance, largest step,
  * order; kind of motion (0: heave, 1: turn) and its four numbers (speed, amplitude, omega, ramp; or speed, radius,
  * angle, unused); positions and velocities of the nodes; number of times, the times. Prints a line a time: t, place of
  * the body, pull on the top; and last the processor time of the motion and of the set-up, s, the number of steps,
  * evaluations and factorisations. */
 #include "chain_rest.h"
+#include "chain_rules.h"
 #include "chain_tableaus.h"
 #include <math.h>
 #include <stdio.h>
@@ -16,8 +17,7 @@
 #include <string.h>
 #include <time.h>
 
-int point_loads(const double **arguments, double **results, long long *iw, double *w, int memory);
-int point_derivatives(const double **arguments, double **results, long long *iw, double *w, int memory);
+PointFunction point_loads_2d, point_derivatives_2d, point_loads_3d, point_derivatives_3d;
 
 typedef struct {
     int kind, dimensions;
@@ -80,12 +80,12 @@ static void read_chain(Chain *chain)
     chain->nodes = chain->elements * chain->degree + 1;
     chain->held = (int)next();
     chain->damped = next() > 0.0;
-    const int points = chain->degree + 1, d = chain->dimensions;
+    const int d = chain->dimensions;
     chain->half = several(chain->elements);
     chain->material = several(chain->elements * POINT_MATERIAL);
-    chain->points = several(points);
-    chain->weights = several(points);
-    chain->slopes = several(points * points);
+    chain->rule = CHAIN_RULES + chain->degree - 1;
+    chain->growing = chain->elements; /* nothing is paid out */
+    chain->last = 1.0;
     chain->fixtures = (int)next();
     int *nodes = malloc((size_t)(chain->fixtures + 1) * sizeof *nodes);
     double *fixture = malloc((size_t)((chain->fixtures + 1) * (d + 2)) * sizeof *fixture);
@@ -98,8 +98,8 @@ static void read_chain(Chain *chain)
     chain->levels = (int)next();
     chain->level = several(chain->levels);
     chain->flow = several(chain->levels * d);
-    chain->loads = point_loads;
-    chain->derivatives = point_derivatives;
+    chain->loads = d == 2 ? point_loads_2d : point_loads_3d;
+    chain->derivatives = d == 2 ? point_derivatives_2d : point_derivatives_3d;
     chain->work = malloc((size_t)chain_work(chain) * sizeof(double));
 }
 
@@ -117,13 +117,17 @@ int main(void)
     for (int i = 0; i < 4; i++) path.number[i] = next();
     stepper.motion = motion;
     stepper.data = &path;
-    if (!chain_stepper_begin(&stepper)) return 2;
     const int d = path.dimensions, n = stepper.chain.nodes * d;
+    double *vectors = calloc((size_t)(7 * n), sizeof *vectors);
+    if (!vectors || !chain_stepper_begin(&stepper)) return 2;
+    chain_state_in(&stepper.state, vectors, n);
     const int count = (int)next();
     double *times = several(count), *pull = malloc((size_t)n * sizeof *pull), t = 0.0;
     const double velocity[MOST_DIMENSIONS] = {path.number[0]};
     const clock_t first = clock();
-    if (!chain_rest(&stepper, velocity)) return 4;
+    ChainShape shape;
+    if (!chain_march(&stepper.chain, velocity, &shape) || !chain_rest(&stepper, velocity, &shape)) return 4;
+    chain_shape_end(&shape);
     const clock_t begin = clock();
     for (int k = 0; k < count; k++) {
         Drive drive;
@@ -132,7 +136,8 @@ int main(void)
         memset(&drive, 0, sizeof drive);
         motion(&path, t, &drive);
         const ChainState *state = &stepper.state;
-        chain_needed(&stepper.chain, state->position, state->velocity, state->acceleration, &drive, pull);
+        const Motion at = {state->position, state->velocity, state->acceleration};
+        chain_needed(&stepper.chain, &at, &drive, pull);
         printf("%.17g", t);
         for (int c = 0; c < d; c++) printf(" %.17g", state->position[c] - drive.top[0][c]);
         for (int c = 0; c < d; c++) printf(" %.17g", -pull[n - d + c]);
@@ -142,5 +147,6 @@ int main(void)
            (double)(begin - first) / CLOCKS_PER_SEC, stepper.steps, stepper.evaluations, stepper.factorisations,
            stepper.failures, stepper.rejections);
     chain_stepper_end(&stepper);
+    free(vectors);
     return 0;
 }

@@ -24,7 +24,7 @@ class Interface:
     ``states`` are the continuous states, named as in the model, ``reinit`` whether an event may change them;
     ``derivative_inputs`` and ``derivative_states`` tell on which inputs and states each derivative depends and
     ``observed_states`` on which states each observed variable does; ``structure`` holds the values of the structural
-    parameters, which the build fixed.
+    parameters, which the build fixed; ``exchange``: whether it is for model exchange too.
     """
 
     unit: Unit
@@ -36,6 +36,7 @@ class Interface:
     derivative_states: Positions = ()
     observed_states: Positions = ()
     structure: Mapping[str, float] = field(default_factory=dict)
+    exchange: bool = True
 
     @cached_property
     def shared(self) -> tuple[Variable, ...]:

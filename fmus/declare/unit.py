@@ -108,7 +108,7 @@ class Unit:
     @property
     def not_native(self) -> str:
         """Why the unit has no native flavour, empty if it has."""
-        return self.model.floats_only
+        return "" if self.model.numbers else self.model.floats_only
 
     @cached_property
     def input_derivatives(self) -> tuple[Variable, ...]:

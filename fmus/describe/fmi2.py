@@ -54,7 +54,8 @@ def model_description(unit: Unit, identifier: str, guid: str, options: dict[str,
 def native_model_description(interface: Interface, identifier: str, guid: str, sources: Sequence[str]) -> bytes:
     """The XML document of the native flavour. ``sources`` are the names of the C files that make the library."""
     root = _root(interface.unit, guid, interface.indicators)
-    for kind, options in (("ModelExchange", MODEL_EXCHANGE), ("CoSimulation", CO_SIMULATION)):
+    kinds = (("ModelExchange", MODEL_EXCHANGE), ("CoSimulation", CO_SIMULATION))
+    for kind, options in kinds if interface.exchange else kinds[1:]:
         files = SubElement(SubElement(root, kind, {"modelIdentifier": identifier, **options}), "SourceFiles")
         for name in sources:
             SubElement(files, "File", name=name)

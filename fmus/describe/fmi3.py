@@ -39,7 +39,8 @@ def model_description3(interface: Interface, identifier: str, token: str) -> byt
     """The XML document."""
     unit, variables = interface.unit, interface.variables
     root = root_element(unit, "3.0", instantiationToken=token)
-    SubElement(root, "ModelExchange", {"modelIdentifier": identifier, **MODEL_EXCHANGE})
+    if interface.exchange:
+        SubElement(root, "ModelExchange", {"modelIdentifier": identifier, **MODEL_EXCHANGE})
     events = str(interface.has_events).lower()
     SubElement(
         root, "CoSimulation",

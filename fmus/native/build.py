@@ -36,11 +36,12 @@ from .traced import Traced
 RUNTIME = Path(__file__).resolve().parent / "runtime"
 
 
-def runtime_sources(fmi: int, kernels: Sequence[Kernel] = ()) -> dict[str, bytes]:
+def runtime_sources(fmi: int, kernels: Sequence[Kernel] = (), chain: bool = False) -> dict[str, bytes]:
     """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, without
-    ``chain``, which no unit uses yet, and without ``kernel`` where there are none, and those that are made from Python. The
-    archive has them in one folder: FMI 2 names files in ``sources/`` alone."""
-    left_out = ("fmi3" if fmi == 2 else "fmi2", "chain", *(() if kernels else ("kernel",)))
+    ``chain`` but for a wire, and without ``kernel`` where there are none, and those that are made from Python. The archive
+    has them in one folder: FMI 2 names files in ``sources/`` alone."""
+    spared = (*(() if chain else ("chain",)), *(() if kernels else ("kernel",)))
+    left_out = ("fmi3" if fmi == 2 else "fmi2", *spared)
     files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name not in left_out)
     made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
     if kernels:
@@ -52,7 +53,9 @@ def contents(traced: Traced, fmi: int, reference: Reference | None) -> dict[str,
     """The members of the archive but for its libraries. ``reference`` is the reference run, None where there is none."""
     interface = traced.interface
     name = interface.unit.name
-    sources = runtime_sources(fmi, traced.kernels) | {"model.c": model_source(traced.functions).encode()}
+    sources = runtime_sources(fmi, traced.kernels, bool(traced.headers))
+    sources |= {"model.c": model_source(traced.functions).encode()}
+    sources |= {name: text.encode() for name, text in traced.headers.items()}
     files = sorted(["unit.c", *(file for file in sources if file.endswith(".c"))])
 
     def members(token: str) -> dict[str, bytes]:

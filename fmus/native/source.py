@@ -58,10 +58,13 @@ def unit_source(traced: Traced, token: str) -> str:
         **{name: entry(functions[name]) for name in UNIT_FUNCTIONS if name in functions},
         "linear": "&linear" if traced.linear else "NULL",
         **({"memory_make": "kernels_make", "memory_drop": "kernels_drop"} if traced.kernels else {}),
+        "steps": "&wire_steps" if traced.headers else "NULL",
+        **({"point": "{" + ", ".join(entry(f) for name, f in functions.items() if name.startswith("point_")) + "}"}
+           if traced.headers else {}),
     }
     parts = [
         "/* What the runtime needs to know of the unit: made from its declaration and its traced model. */",
-        '#include <math.h>\n#include <stddef.h>\n#include "unit.h"',
+        '#include <math.h>\n#include <stddef.h>\n#include "unit.h"' + ('\n#include "wire.h"' if traced.headers else ""),
         "".join(declaration(function) for function in functions.values()).rstrip(),
         "void *kernels_make(void);\nvoid kernels_drop(void *);" if traced.kernels else "",
         array("Variable", "variable", (_variable(v) for v in interface.variables)),

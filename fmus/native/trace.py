@@ -15,6 +15,7 @@ import casadi as ca
 from ..declare.interface import Interface, declared_states
 from ..declare.unit import Unit
 from .kernels import Kernels
+from .trace_chain import trace_chain
 from .trace_linear import trace_linear
 from .traced import OPS, NotNative, Traced, column, dense, forward, parts
 
@@ -28,7 +29,8 @@ def trace(unit: Unit, structure: Mapping[str, float] | None = None) -> Traced:
         raise NotNative(f"{unit.name} has no native flavour: {unit.not_native}")
     if unit.model.linear:
         return trace_linear(unit, structure or {})
-    return _trace(unit, _structure(unit, structure or {}))
+    fixed = _structure(unit, structure or {})
+    return trace_chain(unit) if unit.model.numbers else _trace(unit, fixed)
 
 
 def _structure(unit: Unit, given: Mapping[str, float]) -> dict[str, float]:

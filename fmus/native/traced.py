@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import casadi as ca
@@ -42,7 +42,8 @@ class TracedLinear:
 class Traced:
     """A unit as traced. ``functions`` by the name of their field in ``Unit`` of ``unit.h``, those of ``Linear`` with
     ``linear_`` before it; ``requirements`` are the messages, one for each result of ``required``; ``constants`` is the
-    length of c; ``linear`` describes the matrices of a linear unit; ``kernels`` are those that the functions call."""
+    length of c; ``linear`` describes the matrices of a linear unit; ``kernels`` are those that the functions call;
+    ``headers`` are those that the chain of a wire needs, by name, empty for other units."""
 
     interface: Interface
     functions: dict[str, ca.Function]
@@ -51,6 +52,7 @@ class Traced:
     constants: int = 0
     linear: TracedLinear | None = None
     kernels: tuple[Kernel, ...] = ()
+    headers: Mapping[str, str] = field(default_factory=dict)
 
 
 def column(name: str, size: int) -> Any:

@@ -22,4 +22,4 @@ def ramp(t: Value, duration: Value, ops: Ops, height: Value = 1.0) -> tuple[Valu
 def ramp_integral(t: Value, duration: Value, ops: Ops) -> Value:
     """Integral of r, of height 1, from 0 to ``t``, s, within 0 to ``duration`` > 0, s."""
     s = ops.minimum(1.0, ops.maximum(0.0, t / duration))
-    return duration * s**4 * (2.5 - 3.0 * s + s * s)
+    return duration * s * s * s * s * (2.5 - 3.0 * s + s * s)

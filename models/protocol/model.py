@@ -83,6 +83,8 @@ class Model(Record, Generic[P, X, M, U, Y]):
     * ``refusal(p)``: why these parameters make no model, where that takes more than `requirements`; empty if they do.
     * ``tuning_refusal(p)``: why tunable parameters may not change while the model runs with p; empty if they may.
 
+    * ``numbers(p, ops)``: what the steps of a wire in C take, where ``floats_only`` functions have a native flavour all the same.
+
     ``floats_only`` says why the functions cannot be traced, empty where they can. ``structure`` names parameters that decide
     sizes and tables, which a trace and a composition fix (`fixed`). ``takes_second``: ``outputs`` takes the
     second derivatives of the inputs after the first (parts of a composition alone). ``by_position``: components are read by
@@ -110,6 +112,7 @@ class Model(Record, Generic[P, X, M, U, Y]):
     requirements: Callable[[P, Ops], Sequence[Requirement]] | None = None
     refusal: Callable[[P], str] | None = None
     tuning_refusal: Callable[[P], str] | None = None
+    numbers: Callable[[P, Ops], Sequence[Any]] | None = None
     floats_only: str = ""
     structure: tuple[str, ...] = ()
     takes_second: bool = False

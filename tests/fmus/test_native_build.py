@@ -46,7 +46,8 @@ def test_validator_reports_nothing(name: str, fmi: int, built: Built) -> None:
     path = built(name, fmi)
     assert validate_fmu(str(path)) == []
     description = fmpy.read_model_description(str(path), validate=True)
-    assert description.coSimulation and description.modelExchange
+    # a wire steps by itself
+    assert description.coSimulation and bool(description.modelExchange) != bool(load(name).model.numbers)
     assert description.fmiVersion == f"{fmi}.0"
 
 

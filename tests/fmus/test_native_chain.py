@@ -55,7 +55,7 @@ def test_c_and_python_step_alike_in_a_turn(wire: ModuleType, tmp_path: Path) -> 
         pull = -chain.needed(state.position, state.velocity, state.acceleration, drive(t))[-1]
         rows.append([*(state.position[0] - drive(t).position), *pull])
     found = wire.bare(
-        wire.build(tmp_path, 3), wire.turn_wire(), (2, 4), (1e-4, 2.0, 3), [1.0, 3.0, 60.0, math.pi, 0.0],
+        wire.build(tmp_path), wire.turn_wire(), (2, 4), (1e-4, 2.0, 3), [1.0, 3.0, 60.0, math.pi, 0.0],
         [5.0, 12.0, 20.0],
     )  # fmt: skip
     expected = np.array(rows)

@@ -19,7 +19,7 @@ from towage.models.numeric.ops import FLOATS
 
 from .compiled import Compiled, point
 
-TRACED = tuple(n for n in UNITS if not load(n).not_native and not load(n).model.linear and not load(n).files)
+TRACED = tuple(n for n in UNITS if not (load(n).model.floats_only or load(n).model.linear or load(n).files))
 """Linear units are traced from their matrices, and tested with them; units with kernels in `test_kernels`."""
 POINTS = 200
 ROUNDING = 1e-13

@@ -137,7 +137,7 @@ def test_native_without_means_is_refused_with_the_remedy(own_cache: Path, monkey
 
 
 def test_a_unit_without_native_flavour_runs_in_python() -> None:
-    scene = Scene.load("tow_heavy_weather")
+    scene = Scene.load(Path(__file__).parent / "verdict" / "heavy_weather_lumped.toml")
     resolved = resolve(replace(scene, cases=()), None, "native")
     assert {name: unit.flavour for name, unit in resolved.units.items()} == {"ship": "native", "tow": "python"}
 

@@ -41,10 +41,10 @@ def test_a_light_fish_is_invalid() -> None:
     """v/c = 0.18, abs(U1)/U0 = 0.54: the nonlinear cable's tension is 11.5 % off in time with 20 segments."""
     result = case("sonar_fish")
     told = premises(result)
-    assert result.verdict.word == told.word == "invalid" and told.remedy == "take tow_cable_nonlinear"
+    assert result.verdict.word == told.word == "invalid" and told.remedy == "take wire"
     assert told.number == pytest.approx(0.115, rel=0.05) and told.limit == 0.05 and told.time is not None
     assert 60.0 <= told.time <= 120.0 and "tension at the top of tow" in told.reason
-    assert "invalid" in text_summary(result) and "take tow_cable_nonlinear" in text_summary(result)
+    assert "invalid" in text_summary(result) and "take wire" in text_summary(result)
 
 
 def test_an_irregular_sea_is_judged() -> None:

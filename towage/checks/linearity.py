@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-REMEDY = "take tow_cable_nonlinear"
+REMEDY = "take wire"
 SMALL = "margin_small_perturbation"
 DRIVES = {
     "tow_system": (("velocity_surge", 1.0), ("velocity_heave", 1.0), ("body_drag_change", -1.0), ("body_lift_change", 1.0)),

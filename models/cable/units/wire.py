@@ -31,7 +31,7 @@ from ..wire.grading import MOST_ELEMENTS, graded_mesh
 from ..wire.rest import Frame, equilibrium, march
 from ..wire.stepper import State, Stepper
 from . import wire_ports
-from .wire_ports import Calculated, Inputs, Modes, Outputs, Parameters, flow_of, wire_of
+from .wire_ports import LEAST_ROOM, Calculated, Inputs, Modes, Outputs, Parameters, flow_of, wire_of
 
 
 def requirements(p: Parameters, ops: Ops) -> Sequence[Requirement]:
@@ -169,7 +169,7 @@ def outputs(
         math.atan2(float(needed[-1]), math.hypot(float(needed[0]), side(needed))), -float(r[0, -1]), -float(away[0]),
         side(away), float(moved[0]), side(moved), float(moved[-1]), *speed, chain.wire.length + paid,
         min(1.0, least / prepared.tensions[0]),
-        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], 1e-9) if p.breaking_load > 0.0 else 1.0,
+        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], LEAST_ROOM) if p.breaking_load > 0.0 else 1.0,
         1.0 - error / p.tolerance, *speed,
     )  # fmt: skip
 
@@ -190,6 +190,6 @@ WIRE = Model(
     "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space",
     Parameters, None, Modes, Inputs, Outputs, Calculated,
     initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
-    refusal=refusal_by(prepare),
+    refusal=refusal_by(prepare), numbers=wire_ports.numbers,
     floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )  # fmt: skip

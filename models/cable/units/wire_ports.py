@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...numeric.ops import Ops, Value
+from ...numeric.ops import FLOATS, Ops, Value
 from ...protocol.model import Requirement
 from ...protocol.physical import liquid, weight_below_gravity
 from ...protocol.variables import Quantity, Rate, calculated_parameter, input_variable, margin, output, parameter
-from ..loading import eames
-from ..wire.parts import PLANE, SPACE, Flow, Mass, Section, Wire, cross_flow_section
+from ..loading import Loading, eames
+from ..wire.parts import Flow, Mass, Section, Wire, cross_flow_terms
 from .ports import SteadyTensionBody, SteadyTensionTop
 
 VELOCITIES = ("velocity_surge", "velocity_sway", "velocity_heave", "payout_speed")
 FORCES = ("body_force_surge", "body_force_sway", "body_force_heave")
 ALL = (*VELOCITIES, *FORCES)
+LEAST_ROOM = 1e-9
+"""Steady room to the breaking load, N, where there is none."""
 
 
 @dataclass(frozen=True)
@@ -170,33 +171,95 @@ def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
     ]  # fmt: skip
 
 
+def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
+    """(Tail, wire), the tail of whatever length."""
+
+    def section(length: Value, mass: Value, weight: Value, diameter: Value, stiffness: Value, normal: Value,
+                along: Value) -> Section:
+        friction, across = eames(along), cross_flow_terms(normal, along)
+        of_eames = tuple(tuple(normal * c for c in row) for row in (friction.normal, friction.tangential))
+        terms = (
+            tuple(ops.where(p.loading_form < 0.5, e, c) for e, c in zip(one, other))
+            for one, other in zip(of_eames, (across.normal, across.tangential))
+        )
+        return Section(
+            length, mass, weight, diameter, stiffness, 1.0, Loading(*terms), p.added_mass_coefficient, p.wire_damping,
+        )  # fmt: skip
+
+    return (
+        section(p.tail_length, p.tail_mass, p.tail_weight, p.tail_diameter, p.tail_axial_stiffness, p.tail_normal_drag,
+                p.tail_tangential_drag),
+        section(p.wire_length, p.wire_mass, p.wire_weight, p.wire_diameter, p.wire_axial_stiffness, p.wire_normal_drag,
+                p.wire_tangential_drag),
+    )  # fmt: skip
+
+
+def _masses(p: Parameters) -> tuple[tuple[Value, ...], tuple[Value, ...]]:
+    """(Body, clump), as `Mass` takes them."""
+    return (
+        (p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area),
+        (p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area),
+    )
+
+
 def wire_of(p: Parameters) -> Wire:
     """The wire that the parameters describe. Raises `CableError`."""
-
-    def section(length: float, mass: float, weight: float, diameter: float, stiffness: float, normal: float,
-                along: float) -> Section:
-        drag, loading = (normal, eames(along)) if p.loading_form < 0.5 else cross_flow_section(normal, along)
-        return Section(length, mass, weight, diameter, stiffness, drag, loading, p.added_mass_coefficient, p.wire_damping)
-
-    sections: tuple[Section, ...] = (section(p.wire_length, p.wire_mass, p.wire_weight, p.wire_diameter, p.wire_axial_stiffness,
-                                             p.wire_normal_drag, p.wire_tangential_drag),)
-    clump = Mass(p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area)
-    clumps: tuple[tuple[float, Mass], ...] = ()
+    (tail, wire), (body, clump) = _sections(p, FLOATS), (Mass(*each) for each in _masses(p))
     if p.tail_length > 0.0:
-        tail = section(p.tail_length, p.tail_mass, p.tail_weight, p.tail_diameter, p.tail_axial_stiffness,
-                       p.tail_normal_drag, p.tail_tangential_drag)
-        sections, clumps = (tail, *sections), ((p.tail_length, clump),)
-    body = Mass(p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area)
-    return Wire(sections, body, p.water_density, clumps)
+        return Wire((tail, wire), body, p.water_density, ((p.tail_length, clump),))
+    return Wire((wire,), body, p.water_density)
+
+
+def _flow(p: Parameters, ops: Ops) -> tuple[Value, tuple[Value, ...], tuple[Value, ...]]:
+    """(1 where the current changes with depth, else 0; velocity of the water in the towing frame at the lower level and above
+    the upper one, of three components)."""
+    current = (p.current_surge, p.current_sway, 0.0)
+    changes = ops.where(p.current_depth * (ops.abs(p.current_surge) + ops.abs(p.current_sway)) > 0.0, 1.0, 0.0)
+    above = (current[0] - p.tow_speed, current[1], 0.0)
+    below = (above[0] - changes * current[0], above[1] - changes * current[1], 0.0)
+    return changes, below, above
 
 
 def flow_of(p: Parameters) -> Flow:
     """Current in the towing frame."""
-    d = SPACE if p.in_space > 0.5 else PLANE
-    along, top = np.zeros(d), np.zeros(d)
-    along[0], top[0] = p.tow_speed, p.current_surge
-    if d == SPACE:
-        top[1] = p.current_sway
-    if p.current_depth == 0.0 or not math.hypot(p.current_surge, p.current_sway) > 0.0:
-        return Flow(np.zeros(1), (top - along)[None])
-    return Flow(np.array([-p.current_depth, 0.0]), np.array([-along, top - along]))
+    changes, *velocities = _flow(p, FLOATS)
+    kept = [0, 1, 2] if p.in_space > 0.5 else [0, 2]
+    table = np.array(velocities, float)[:, kept]
+    return Flow(np.array([-p.current_depth, 0.0]), table) if changes else Flow(np.zeros(1), table[1:])
+
+
+class Numbers(NamedTuple):
+    """What the steps in C take (``fmus/native/runtime/chain/wire.h``): ``levels`` of the flow at the heights ``level``, its
+    velocities one after the other; masses of three components, weight, drag of `point.Fixture`."""
+
+    dimensions: Value
+    elements: Value
+    degree: Value
+    tolerance: Value
+    velocity_tolerance: Value
+    largest_step: Value
+    breaking_load: Value
+    tail_length: Value
+    wire_length: Value
+    levels: Value
+    tail: tuple[Value, ...]
+    wire: tuple[Value, ...]
+    body: tuple[Value, ...]
+    clump: tuple[Value, ...]
+    level: tuple[Value, ...]
+    flow: tuple[Value, ...]
+
+
+def numbers(p: Parameters, ops: Ops) -> Numbers:
+    """Of the wire that the parameters describe."""
+    (tail, wire), masses = _sections(p, ops), _masses(p)
+    changes, below, above = _flow(p, ops)
+    body, clump = (
+        (*([mass + added] * 3), weight, 0.5 * p.water_density * area) for mass, added, weight, area in masses
+    )
+    return Numbers(
+        ops.where(p.in_space > 0.5, 3.0, 2.0), p.elements, p.degree, p.tolerance, p.velocity_tolerance, p.largest_step,
+        p.breaking_load, p.tail_length, p.wire_length, 1.0 + changes, tail.material(p.water_density),
+        wire.material(p.water_density), body, clump, (-p.current_depth, 0.0),
+        (*(ops.where(changes > 0.5, b, a) for b, a in zip(below, above)), *above),
+    )  # fmt: skip

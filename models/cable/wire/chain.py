@@ -26,13 +26,15 @@ import numpy as np
 from ...numeric.arrays import AnyArray, Array
 from ...numeric.ops import Ops, arrays
 from ..case import CableError
-from .elements import Rule, rule
+from .elements import Rule, legendre, rule
 from .mesh import Mesh
 from .parts import Flow, Wire
 from .point import Fixture, Material, Vector, fixture_load, load, pull
 
 STEP = 1e-150
 """Complex step of derivatives, exact to rounding."""
+HAULED = 1e-3
+"""Share of the last section that cannot be hauled in."""
 
 
 Paid = tuple[float, float, float]
@@ -53,13 +55,16 @@ class Drive(NamedTuple):
 
 
 def _components(vectors: AnyArray) -> Vector:
-    return tuple(np.moveaxis(vectors, -1, 0))
+    return tuple(vectors[..., k] for k in range(vectors.shape[-1]))
 
 
-def _legendre(k: int, points: Rule) -> Array:
-    """Row that takes values at points to the k-th Legendre coefficient, k below the degree."""
-    row: Array = (k + 0.5) * points.weights * np.polynomial.Legendre.basis(k)(points.points)
-    return row
+def _joined(components: Vector) -> AnyArray:
+    """The array of components, which may be numbers where others are arrays."""
+    first = components[0]
+    vectors: AnyArray = np.empty((*first.shape, len(components)), first.dtype)
+    for k, component in enumerate(components):
+        vectors[..., k] = component
+    return vectors
 
 
 def _spread(material: Sequence[Material], section: AnyArray) -> Material:
@@ -121,9 +126,16 @@ class Chain:
 
     def lengths(self, paid: Paid = NOTHING_PAID) -> Lengths:
         """With wire paid out. Raises `CableError` where the last section is hauled in."""
+        return self._at_start if paid == NOTHING_PAID else self._lengths(paid)
+
+    @cached_property
+    def _at_start(self) -> Lengths:
+        return self._lengths(NOTHING_PAID)
+
+    def _lengths(self, paid: Paid) -> Lengths:
         last = self.wire.sections[-1].length
         added, rate, change = paid
-        if last + added <= 1e-3 * last:
+        if last + added <= HAULED * last:
             raise CableError(f"the last section of {last:g} m is hauled in but for {last + added:.3g} m: give it more length")
         grows = (self.mesh.section == len(self.wire.sections) - 1)[:, None]
         factor = np.where(grows, 1.0 + added / last, 1.0)
@@ -133,8 +145,11 @@ class Chain:
     def gather(self, nodes: AnyArray) -> AnyArray:
         """Values at nodes (n, d) -> at points (E, p+1, d)."""
         p = self.mesh.degree
-        index = np.arange(0, p * len(self.mesh.lengths), p)[:, None] + np.arange(p + 1)
-        points: AnyArray = nodes[index]
+        nodes = np.ascontiguousarray(nodes)
+        n, d = nodes.shape
+        bytes_, width = nodes.strides
+        # elements share their ends
+        points: AnyArray = np.ndarray(((n - 1) // p, p + 1, d), nodes.dtype, nodes, 0, (p * bytes_, bytes_, width))
         return points
 
     def scatter(self, points: Array) -> Array:
@@ -161,14 +176,20 @@ class Chain:
             a = a - sizes.slide_rate[:, :, None] * g
             v = v - sigma * g
             rate = rate - stretch_rate * g
-        flow = self.flow.at(places[..., -1].ravel())[0].reshape(v.shape)
-        return g, rate, v - flow, a
+        return g, rate, v - self._water(places[..., -1]), a
+
+    def _water(self, z: AnyArray) -> Array:
+        """Velocity of the water at heights, (..., d), or (d,) where it is the same at all."""
+        if len(self.flow.z) == 1:
+            everywhere: Array = self.flow.velocity[0]
+            return everywhere
+        return self.flow.at(z.ravel())[0].reshape(*z.shape, self.dimensions)
 
     def _loads(self, r: Array, u: Array, b: Array, drive: Drive, sizes: Lengths) -> tuple[Array, Array]:
         """(n, q) at points."""
         g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, any(drive.paid[1:])))
-        n = np.stack(pull(g, rate, self.material, self.ops)[0], axis=-1)
-        return n, np.stack(load(g, v, a, self.material, self.ops), axis=-1)
+        n = _joined(pull(g, rate, self.material, self.ops)[0])
+        return n, _joined(load(g, v, a, self.material, self.ops))
 
     def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""
@@ -191,7 +212,7 @@ class Chain:
         sizes, p = self.lengths(paid), self.mesh.degree
         g = self.slope(self.gather(r), sizes.half)
         last, before = (
-            np.linalg.norm(_legendre(k, self.rule) @ g, axis=1) if k >= 0 else np.zeros(len(g)) for k in (p - 1, p - 2)
+            np.linalg.norm(legendre(k, p) @ g, axis=1) if k >= 0 else np.zeros(len(g)) for k in (p - 1, p - 2)
         )
         if p <= 2:
             before = last
@@ -214,8 +235,8 @@ class Chain:
         nodes, fixture = self.fixtures
         if not len(nodes):
             return nodes, np.zeros((0, self.dimensions))
-        v = u[nodes] - self.flow.at(r[nodes, -1])[0]
-        loads = np.stack(fixture_load(_components(v), _components(b[nodes]), fixture, self.ops), axis=-1)
+        v = u[nodes] - self._water(r[nodes, -1])
+        loads = _joined(fixture_load(_components(v), _components(b[nodes]), fixture, self.ops))
         if force is not None and self.wire.body is not None:
             loads[0] -= force
         return nodes, loads
@@ -234,8 +255,8 @@ class Chain:
             seeded[2][d + k, ..., k] += 1j * STEP
             seeded[3][2 * d + k, ..., k] += 1j * STEP
         g, rate, v, a = (_components(x) for x in seeded)
-        n = np.stack(pull(g, rate, self.material, self.ops)[0], axis=-1).imag / STEP
-        q = np.stack(load(g, v, a, self.material, self.ops), axis=-1).imag / STEP
+        n = _joined(pull(g, rate, self.material, self.ops)[0]).imag / STEP
+        q = _joined(load(g, v, a, self.material, self.ops)).imag / STEP
         # (seed, E, point, component) -> (E, point, component, seed)
         n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
         slopes, weights = self.rule.slopes, self.rule.weights
@@ -268,7 +289,7 @@ class Chain:
         sheared = np.broadcast_to(sheared, flow.shape)
         for k in range(d):
             v[k, :, k] += 1j * STEP
-        slopes = np.stack(fixture_load(_components(v), _components(0.0 * v), fixture, self.ops), axis=-1).imag / STEP
+        slopes = _joined(fixture_load(_components(v), _components(0.0 * v), fixture, self.ops)).imag / STEP
         for k, node in enumerate(nodes):
             above = node // self.mesh.degree
             damp[above, 0, :, 0, :] += slopes[:, k, :].T

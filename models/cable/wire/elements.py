@@ -65,3 +65,11 @@ def lagrange(degree: int, x: Array) -> Array:
             if k != j:
                 table[:, j] *= (x - points[k]) / (points[j] - points[k])
     return table
+
+
+@cache
+def legendre(k: int, degree: int) -> Array:
+    """Row that takes values at the points of an element to the k-th Legendre coefficient, k below the degree."""
+    points = rule(degree)
+    row: Array = (k + 0.5) * points.weights * np.polynomial.Legendre.basis(k)(points.points)
+    return row

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...numeric.arrays import Array
+from ...numeric.ops import Value
 from ..case import CableError
-from ..loading import Loading, cross_flow
+from ..loading import Loading
 from .point import Fixture, Material, drag_terms
 
 PLANE, SPACE = 2, 3
@@ -43,11 +44,15 @@ class Section:
         )  # fmt: skip
 
 
+def cross_flow_terms(normal_drag: Value, tangential_drag: Value) -> Loading:
+    """Loading of the independence principle with MoorDyn's Cdn and Cdt, for a drag coefficient of 1."""
+    across, along = 0.5 * normal_drag, 0.5 * math.pi * tangential_drag
+    return Loading((across, 0.0, -across, 0.0, 0.0), (along, 0.0, along, 0.0, 0.0))
+
+
 def cross_flow_section(normal_drag: float, tangential_drag: float) -> tuple[float, Loading]:
-    """(C_D, loading) of the independence principle with MoorDyn's Cdn and Cdt."""
-    if normal_drag > 0.0:
-        return normal_drag, cross_flow(math.pi * tangential_drag / normal_drag)
-    return math.pi * tangential_drag, Loading((0.0,) * 5, (0.5, 0.0, 0.5, 0.0, 0.0))
+    """(C_D, loading) of the same."""
+    return 1.0, cross_flow_terms(normal_drag, tangential_drag)
 
 
 @dataclass(frozen=True)

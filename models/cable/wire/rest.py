@@ -31,8 +31,10 @@ MARCHED = 1e-6
 """Miss of the top over the length at which the end of a march is near enough."""
 FAR, ARRIVED = 0.3, 1e-7
 """Newton's change over the length that is never taken, and one that is taken whatever the forces do."""
-FIRST_TIME, SHORTER = 1.0, 0.25
-"""Pseudo-time, s, when Newton's method goes astray at first, and its change when it does again."""
+FIRST_TIME, SHORTER, SHORTEST = 1.0, 0.25, 1e-9
+"""Pseudo-time, s, when Newton's method goes astray at first, its change when it does again, and when it is given up."""
+NO_TENSION = 1e-30
+"""Added to a tension, N, so that a free end without load has a direction."""
 MAX_NEWTON = 200
 MAX_MARCHES = 60
 
@@ -169,7 +171,7 @@ def _marched(
 
         def slopes(_: float, y: Array, k=material) -> Array:  # type: ignore[no-untyped-def]
             r, n = y[:d], y[d:]
-            tension = math.sqrt(float(n @ n)) + 1e-30
+            tension = math.sqrt(float(n @ n)) + NO_TENSION
             g = tuple(((1.0 / tension + 1.0 / k.stiffness) * n).tolist())
             v, a = through(r)
             return np.array([*g, *load(g, tuple(v.tolist()), tuple(a.tolist()), k, FLOATS)])
@@ -220,7 +222,7 @@ def equilibrium(chain: Chain, frame: Frame, first: Array) -> Array:
             if not after_norm < (2.0 if pseudo < math.inf else 1.0) * norm and not moved < ARRIVED * size:
                 # too far for Newton's method: a short time of motion that dies out at once
                 pseudo = FIRST_TIME if pseudo == math.inf else SHORTER * pseudo
-                if pseudo < 1e-9:
+                if pseudo < SHORTEST:
                     break
                 continue
             r, residual = trial, after

@@ -26,38 +26,64 @@ void chain_flow(const Chain *chain, double z, double *velocity, double *slope)
     }
 }
 
-/* What the functions of a point take, at point q of an element whose nodes' values begin at r, u, b. */
-typedef struct {
-    double g[MOST_DIMENSIONS], rate[MOST_DIMENSIONS], v[MOST_DIMENSIONS], slope[MOST_DIMENSIONS];
-    const double *arguments[5];
-} Point;
-
-static void point_at(const Chain *chain, int element, int q, const double *r, const double *u, const double *b,
-                     Point *at)
+double chain_half(const Chain *chain, int element, const double *paid)
 {
-    const int d = chain->dimensions, points = chain->degree + 1;
-    const double *slopes = chain->slopes + q * points, inverse = 1.0 / chain->half[element];
-    for (int c = 0; c < d; c++) {
-        double g = 0.0, rate = 0.0;
-        for (int j = 0; j < points; j++) g += slopes[j] * r[j * d + c];
-        if (chain->damped) {
-            for (int j = 0; j < points; j++) rate += slopes[j] * u[j * d + c];
-        }
-        at->g[c] = g * inverse;
-        at->rate[c] = rate * inverse;
-    }
-    chain_flow(chain, r[q * d + d - 1], at->v, at->slope);
-    for (int c = 0; c < d; c++) at->v[c] = u[q * d + c] - at->v[c];
-    at->arguments[0] = at->g;
-    at->arguments[1] = at->rate;
-    at->arguments[2] = at->v;
-    at->arguments[3] = b + q * d;
-    at->arguments[4] = chain->material + element * POINT_MATERIAL;
+    return element < chain->growing ? chain->half[element] : chain->half[element] * (1.0 + paid[0] / chain->last);
 }
 
-/* Speed of a fixture through the water, with what keeps its derivative finite (point.py); the velocity, and the slope
- * of the water's over z where asked for. */
-static double fixture_speed(const Chain *chain, const double *r, const double *u, double *v, double *slope)
+/* Values at point q of the derivative over s of what has values x at the nodes. */
+static void differentiate(const Chain *chain, const double *x, int q, double inverse, double *slope)
+{
+    const int d = chain->dimensions, points = chain->degree + 1;
+    const double *slopes = chain->rule->slopes + q * points;
+    for (int c = 0; c < d; c++) {
+        double sum = 0.0;
+        for (int j = 0; j < points; j++) sum += slopes[j] * x[j * d + c];
+        slope[c] = sum * inverse;
+    }
+}
+
+/* The material moves through the point with sigma = x L': its rates instead of the node's. */
+static void slide(const Chain *chain, int element, int q, const double *r, const double *paid, Point *point)
+{
+    const int d = chain->dimensions, points = chain->degree + 1;
+    const double share = chain->share[element * points + q], sigma = paid[1] * share, faster = paid[2] * share;
+    const double stretch = element < chain->growing ? 0.0 : paid[1] / (chain->last + paid[0]);
+    double slopes[(MOST_DEGREE + 1) * MOST_DIMENSIONS], bend[MOST_DIMENSIONS];
+    for (int j = 0; j < points; j++) differentiate(chain, r, j, 1.0 / point->half, slopes + j * d);
+    differentiate(chain, slopes, q, 1.0 / point->half, bend);
+    for (int c = 0; c < d; c++) {
+        const double stretched = point->rate[c] - stretch * point->g[c];
+        point->a[c] += sigma * sigma * bend[c] - 2.0 * sigma * stretched - faster * point->g[c];
+        point->v[c] -= sigma * point->g[c];
+        point->rate[c] = stretched;
+    }
+    point->slide = sigma;
+}
+
+void chain_point(const Chain *chain, int element, int q, const Motion *at, const double *paid, Point *point)
+{
+    const int d = chain->dimensions, first = element * chain->degree * d;
+    const double *r = at->r + first, *u = at->u + first, *b = at->b + first;
+    const bool moving = paid[1] != 0.0 || paid[2] != 0.0;
+    point->half = chain_half(chain, element, paid);
+    point->slide = 0.0;
+    differentiate(chain, r, q, 1.0 / point->half, point->g);
+    memset(point->rate, 0, sizeof point->rate);
+    if (chain->damped || moving) differentiate(chain, u, q, 1.0 / point->half, point->rate);
+    double flow[MOST_DIMENSIONS];
+    chain_flow(chain, r[q * d + d - 1], flow, point->slope);
+    for (int c = 0; c < d; c++) {
+        point->v[c] = u[q * d + c];
+        point->a[c] = b[q * d + c];
+    }
+    if (moving) slide(chain, element, q, r, paid, point);
+    for (int c = 0; c < d; c++) point->v[c] -= flow[c];
+    const double *arguments[] = {point->g, point->rate, point->v, point->a, chain->material + element * POINT_MATERIAL};
+    memcpy(point->arguments, arguments, sizeof arguments);
+}
+
+double chain_fixture_speed(const Chain *chain, const double *r, const double *u, double *v, double *slope)
 {
     const int d = chain->dimensions;
     double square = CHAIN_SMALL_SPEED2;
@@ -74,28 +100,26 @@ void chain_fixture(const Chain *chain, int fixture, const double *r, const doubl
     const int d = chain->dimensions;
     const double *numbers = chain->fixture + fixture * (d + 2);
     double v[MOST_DIMENSIONS];
-    const double factor = numbers[d + 1] * fixture_speed(chain, r, u, v, NULL);
+    const double factor = numbers[d + 1] * chain_fixture_speed(chain, r, u, v, NULL);
     for (int c = 0; c < d; c++) load[c] += numbers[c] * b[c] + factor * v[c];
     load[d - 1] += numbers[d];
 }
 
-void chain_needed(const Chain *chain, const double *r, const double *u, const double *b, const Drive *drive,
-                  double *needed)
+void chain_needed(const Chain *chain, const Motion *at, const Drive *drive, double *needed)
 {
     const int d = chain->dimensions, p = chain->degree, points = p + 1;
     memset(needed, 0, (size_t)(chain->nodes * d) * sizeof *needed);
     for (int e = 0; e < chain->elements; e++) {
-        const int first = e * p * d;
-        double *sum = needed + first;
+        double *sum = needed + e * p * d;
         for (int q = 0; q < points; q++) {
             double n[MOST_DIMENSIONS], load[MOST_DIMENSIONS], *results[] = {n, load};
-            const double *slopes = chain->slopes + q * points, weight = chain->weights[q];
-            Point at;
-            point_at(chain, e, q, r + first, u + first, b + first, &at);
-            chain->loads(at.arguments, results, NULL, chain->work, 0);
+            const double *slopes = chain->rule->slopes + q * points, weight = chain->rule->weights[q];
+            Point point;
+            chain_point(chain, e, q, at, drive->paid, &point);
+            chain->loads(point.arguments, results, NULL, chain->work, 0);
             for (int c = 0; c < d; c++) {
                 n[c] *= weight;
-                sum[q * d + c] += weight * chain->half[e] * load[c];
+                sum[q * d + c] += weight * point.half * load[c];
             }
             for (int i = 0; i < points; i++) {
                 for (int c = 0; c < d; c++) sum[i * d + c] += slopes[i] * n[c];
@@ -103,8 +127,8 @@ void chain_needed(const Chain *chain, const double *r, const double *u, const do
         }
     }
     for (int k = 0; k < chain->fixtures; k++) {
-        const int at = chain->fixture_node[k] * d;
-        chain_fixture(chain, k, r + at, u + at, b + at, needed + at);
+        const int node = chain->fixture_node[k] * d;
+        chain_fixture(chain, k, at->r + node, at->u + node, at->b + node, needed + node);
     }
     if (!chain->held) {
         for (int c = 0; c < d; c++) needed[c] -= drive->force[c];
@@ -115,7 +139,7 @@ void chain_needed(const Chain *chain, const double *r, const double *u, const do
 static void add_pull(const Chain *chain, const double *pull, double scale, int q, int row, double *band)
 {
     const int d = chain->dimensions, points = chain->degree + 1, width = chain_width(chain);
-    const double *slopes = chain->slopes + q * points;
+    const double *slopes = chain->rule->slopes + q * points;
     for (int i = 0; i < points; i++) {
         for (int a = 0; a < d; a++) {
             double *line = band + (row + i * d + a) * (2 * width + 1) + width - i * d - a;
@@ -132,7 +156,7 @@ static void add_load(const Chain *chain, const double *by_g, const double *own, 
                      double *band)
 {
     const int d = chain->dimensions, points = chain->degree + 1, width = chain_width(chain);
-    const double *slopes = chain->slopes + q * points;
+    const double *slopes = chain->rule->slopes + q * points;
     for (int a = 0; a < d; a++) {
         double *line = band + (row + q * d + a) * (2 * width + 1) + width - q * d - a;
         for (int j = 0; j < points; j++) {
@@ -149,7 +173,7 @@ static void add_fixtures(const Chain *chain, const double *r, const double *u, d
         const int at = chain->fixture_node[k] * d;
         const double *fixture = chain->fixture + k * (d + 2);
         double v[MOST_DIMENSIONS], slope[MOST_DIMENSIONS];
-        const double speed = fixture_speed(chain, r + at, u + at, v, slope);
+        const double speed = chain_fixture_speed(chain, r + at, u + at, v, slope);
         for (int a = 0; a < d; a++) {
             double *line = band + (at + a) * (2 * width + 1) + width - a;
             for (int c = 0; c < d; c++) {
@@ -163,36 +187,34 @@ static void add_fixtures(const Chain *chain, const double *r, const double *u, d
     }
 }
 
-void chain_band(const Chain *chain, const double *r, const double *u, const double *b, double w, double *band,
-                double *inertia)
+void chain_band(const Chain *chain, const Motion *at, const double *paid, double w, double *band, double *inertia)
 {
     const int d = chain->dimensions, p = chain->degree, points = p + 1, width = chain_width(chain), block = d * d;
     memset(band, 0, (size_t)(chain->nodes * d * (2 * width + 1)) * sizeof *band);
     memset(inertia, 0, (size_t)(chain->nodes * block) * sizeof *inertia);
     for (int e = 0; e < chain->elements; e++) {
-        const int first = e * p * d;
-        const double half = chain->half[e];
         for (int q = 0; q < points; q++) {
             double pull[BLOCK], pull_rate[BLOCK], by_g[BLOCK], by_v[BLOCK], by_a[BLOCK];
             double *results[] = {pull, pull_rate, by_g, by_v, by_a};
-            const double weight = chain->weights[q], local = weight * half;
-            Point at;
-            point_at(chain, e, q, r + first, u + first, b + first, &at);
-            chain->derivatives(at.arguments, results, NULL, chain->work, 0);
+            Point point;
+            chain_point(chain, e, q, at, paid, &point);
+            const double weight = chain->rule->weights[q], local = weight * point.half;
+            chain->derivatives(point.arguments, results, NULL, chain->work, 0);
             for (int k = 0; k < block; k++) {
                 inertia[(e * p + q) * block + k] += local * by_a[k];
                 pull[k] = w * (w * pull[k] + pull_rate[k]);
                 by_a[k] = local * (by_a[k] + w * by_v[k]);
+                by_g[k] -= point.slide * by_v[k];
             }
             /* sheared water: velocity by height */
             for (int a = 0; a < d; a++) {
                 double difference = 0.0;
-                for (int c = 0; c < d; c++) difference += by_v[c * d + a] * at.slope[c];
+                for (int c = 0; c < d; c++) difference += by_v[c * d + a] * point.slope[c];
                 by_a[(d - 1) * d + a] -= local * w * w * difference;
             }
-            add_pull(chain, pull, weight / half, q, first, band);
-            add_load(chain, by_g, by_a, weight * w * w, q, first, band);
+            add_pull(chain, pull, weight / point.half, q, e * p * d, band);
+            add_load(chain, by_g, by_a, weight * w * w, q, e * p * d, band);
         }
     }
-    add_fixtures(chain, r, u, w, band, inertia);
+    add_fixtures(chain, at->r, at->u, w, band, inertia);
 }

@@ -7,70 +7,78 @@
 
 static size_t size_of(const Chain *chain) { return (size_t)(chain->nodes * chain->dimensions); }
 
+void chain_state_in(ChainState *state, double *vectors, int size)
+{
+    double **const parts[] = {&state->position, &state->velocity, &state->acceleration, state->made,
+                              state->made + 1,  state->made + 2,  &state->before};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) *parts[i] = vectors + i * (size_t)size;
+}
+
 bool chain_stepper_begin(ChainStepper *stepper)
 {
     const Chain *chain = &stepper->chain;
     const size_t n = size_of(chain), width = (size_t)chain_width(chain);
-    double **vectors[] = {&stepper->state.position, &stepper->state.velocity, &stepper->state.acceleration,
-                          &stepper->state.before,   stepper->state.made,      stepper->state.made + 1,
-                          stepper->state.made + 2,  &stepper->stage_r,        &stepper->stage_u,
-                          &stepper->stage_k,        &stepper->base_r,         &stepper->base_u,
-                          &stepper->guess,          &stepper->change};
-    bool done = true;
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
-        *vectors[i] = calloc(n, sizeof(double));
-        done = done && *vectors[i];
-    }
-    stepper->us = calloc(n * MOST_STAGES, sizeof(double));
-    stepper->ks = calloc(n * MOST_STAGES, sizeof(double));
-    stepper->band = calloc(n * (2 * width + 1), sizeof(double));
-    stepper->inertia = calloc(n * (size_t)chain->dimensions, sizeof(double));
-    return done && stepper->us && stepper->ks && stepper->band && stepper->inertia;
+    double **const vectors[] = {stepper->kept,     stepper->kept + 1, stepper->kept + 2, &stepper->stage_r,
+                                &stepper->stage_u, &stepper->stage_k, &stepper->base_r,  &stepper->base_u,
+                                &stepper->guess,   &stepper->change};
+    const size_t count = sizeof vectors / sizeof *vectors;
+    double *block = calloc(n * (count + 2 * MOST_STAGES + 2 * width + 1 + (size_t)chain->dimensions), sizeof *block);
+    if (!block) return false;
+    for (size_t i = 0; i < count; i++, block += n) *vectors[i] = block;
+    stepper->us = block;
+    stepper->ks = stepper->us + n * MOST_STAGES;
+    stepper->band = stepper->ks + n * MOST_STAGES;
+    stepper->inertia = stepper->band + n * (2 * width + 1);
+    return true;
 }
 
-void chain_stepper_end(ChainStepper *stepper)
-{
-    double *vectors[] = {stepper->state.position,
-                         stepper->state.velocity,
-                         stepper->state.acceleration,
-                         stepper->state.before,
-                         stepper->state.made[0],
-                         stepper->state.made[1],
-                         stepper->state.made[2],
-                         stepper->stage_r,
-                         stepper->stage_u,
-                         stepper->stage_k,
-                         stepper->base_r,
-                         stepper->base_u,
-                         stepper->guess,
-                         stepper->change,
-                         stepper->us,
-                         stepper->ks,
-                         stepper->band,
-                         stepper->inertia};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) free(vectors[i]);
-}
+void chain_stepper_end(ChainStepper *stepper) { free(stepper->kept[0]); /* the first part of the block */ }
 
-/* Factors of state.made. */
+/* Factors of the place `kept`. */
 static bool factorise(ChainStepper *stepper)
 {
-    const Chain *chain = &stepper->chain;
-    const ChainState *state = &stepper->state;
-    chain_band(chain, state->made[0], state->made[1], state->made[2], state->made_weight, stepper->band,
-               stepper->inertia);
+    const Motion at = {stepper->kept[0], stepper->kept[1], stepper->kept[2]};
+    chain_band(&stepper->chain, &at, stepper->kept_paid, stepper->kept_weight, stepper->band, stepper->inertia);
     stepper->factorisations++;
-    stepper->factored = chain_factor(chain, stepper->band);
+    stepper->factored = chain_factor(&stepper->chain, stepper->band);
     return stepper->factored;
 }
 
-static bool factorise_here(ChainStepper *stepper, double weight)
+static bool factorise_here(ChainStepper *stepper, double weight, const Drive *drive)
 {
     const size_t bytes = size_of(&stepper->chain) * sizeof(double);
-    memcpy(stepper->state.made[0], stepper->stage_r, bytes);
-    memcpy(stepper->state.made[1], stepper->stage_u, bytes);
-    memcpy(stepper->state.made[2], stepper->stage_k, bytes);
-    stepper->state.made_weight = weight;
+    memcpy(stepper->kept[0], stepper->stage_r, bytes);
+    memcpy(stepper->kept[1], stepper->stage_u, bytes);
+    memcpy(stepper->kept[2], stepper->stage_k, bytes);
+    memcpy(stepper->kept_paid, drive->paid, sizeof drive->paid);
+    stepper->kept_weight = weight;
     return factorise(stepper);
+}
+
+/* Whether the factors at hand are those that the state names. */
+static bool same_place(const ChainStepper *stepper)
+{
+    const ChainState *state = &stepper->state;
+    const size_t bytes = size_of(&stepper->chain) * sizeof(double);
+    bool same = stepper->kept_weight == state->made_weight
+                && memcmp(stepper->kept_paid, state->made_paid, sizeof state->made_paid) == 0;
+    for (int i = 0; i < 3; i++) same = same && memcmp(stepper->kept[i], state->made[i], bytes) == 0;
+    return same;
+}
+
+/* Brings the factors that the state names, where they serve a step with `weight`. */
+static void recall(ChainStepper *stepper, double weight)
+{
+    const ChainState *state = &stepper->state;
+    const size_t bytes = size_of(&stepper->chain) * sizeof(double);
+    if (state->made_weight != weight) {
+        stepper->factored = false;
+    } else if (!stepper->factored || !same_place(stepper)) {
+        for (int i = 0; i < 3; i++) memcpy(stepper->kept[i], state->made[i], bytes);
+        memcpy(stepper->kept_paid, state->made_paid, sizeof state->made_paid);
+        stepper->kept_weight = weight;
+        factorise(stepper);
+    }
 }
 
 /* Motion of a stage with accelerations stage_k; the ends where the drive has them. */
@@ -111,13 +119,14 @@ static bool solve_stage(ChainStepper *stepper, double weight, const Drive *drive
     const Chain *chain = &stepper->chain;
     const int n = chain->nodes * chain->dimensions;
     const double target = CHAIN_NEWTON * stepper->tolerance;
+    const Motion at = {stepper->stage_r, stepper->stage_u, stepper->stage_k};
     double last = INFINITY;
     bool again = false;
     memcpy(stepper->stage_k, stepper->guess, (size_t)n * sizeof(double));
     for (int iteration = 0; iteration < CHAIN_MAX_ITERATIONS; iteration++) {
         place(stepper, weight, drive);
-        if (!stepper->factored && !factorise_here(stepper, weight)) return false;
-        chain_needed(chain, stepper->stage_r, stepper->stage_u, stepper->stage_k, drive, stepper->change);
+        if (!stepper->factored && !factorise_here(stepper, weight, drive)) return false;
+        chain_needed(chain, &at, drive, stepper->change);
         stepper->evaluations++;
         chain_solve(chain, stepper->band, stepper->change);
         const double size = weight * largest(stepper->change, n), rate = size / last;
@@ -196,10 +205,7 @@ static double attempt(ChainStepper *stepper, double t, double step)
     const size_t bytes = (size_t)n * sizeof(double);
     const ChainState *state = &stepper->state;
     const double weight = table->diagonal * step;
-    if (state->made_weight != weight)
-        stepper->factored = false;
-    else if (!stepper->factored)
-        factorise(stepper);
+    recall(stepper, weight);
     memcpy(stepper->us, state->velocity, bytes);
     memcpy(stepper->ks, state->acceleration, bytes);
     for (int s = 1; s <= table->stages; s++) {
@@ -217,7 +223,9 @@ static double attempt(ChainStepper *stepper, double t, double step)
         extrapolate(stepper, s - 1, step, table->places[s - 1]);
         memset(&drive, 0, sizeof drive);
         stepper->motion(stepper->data, t + table->places[s - 1] * step, &drive);
-        if (!solve_stage(stepper, weight, &drive)) return -1.0;
+        /* a held top has no wire to give */
+        stepper->hauled = stepper->chain.last + drive.paid[0] <= CHAIN_HAULED * stepper->chain.last;
+        if (stepper->hauled || !solve_stage(stepper, weight, &drive)) return -1.0;
         memcpy(stepper->us + s * n, stepper->stage_u, bytes);
         memcpy(stepper->ks + s * n, stepper->stage_k, bytes);
     }
@@ -230,11 +238,11 @@ double chain_step(ChainStepper *stepper, double t, double step)
     const long factorised = stepper->factorisations;
     ChainState *state = &stepper->state;
     double most = CHAIN_MOST;
-    for (int k = 0; k < CHAIN_MAX_HALVINGS; k++) {
+    stepper->hauled = false;
+    for (int k = 0; k < CHAIN_MAX_HALVINGS && !stepper->hauled; k++) {
         const double error = attempt(stepper, t, step);
         if (!(error >= 0.0)) {
             stepper->failures++;
-            stepper->factored = false;
             most = 1.0;
             step *= 0.5;
             continue;
@@ -251,10 +259,15 @@ double chain_step(ChainStepper *stepper, double t, double step)
         memcpy(state->position, stepper->stage_r, bytes);
         memcpy(state->velocity, stepper->stage_u, bytes);
         memcpy(state->acceleration, stepper->stage_k, bytes);
+        for (int i = 0; i < 3; i++) memcpy(state->made[i], stepper->kept[i], bytes);
+        memcpy(state->made_paid, stepper->kept_paid, sizeof state->made_paid);
+        state->made_weight = stepper->kept_weight;
         state->before_step = step;
         state->step = step * fmin(most, grow);
         return step;
     }
+    stepper->failed_at = t;
+    stepper->failed_step = step;
     return 0.0;
 }
 

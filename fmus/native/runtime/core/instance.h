@@ -12,6 +12,18 @@ typedef enum { CO_SIMULATION, MODEL_EXCHANGE } Kind;
 
 typedef struct Instance Instance;
 typedef struct Solver Solver; /* linear/solver.h: what a linear unit computed from its parameters */
+typedef struct Wire Wire;     /* chain/wire.h: the same of a wire */
+
+/* What a unit that steps by itself does in place of traced functions; how many states it has follows from its
+ * parameters. Seeds are those of the instance. */
+typedef struct Steps {
+    Outcome (*make)(Instance *); /* from p and c: room for the states, calculated parameters */
+    void (*end)(Instance *);     /* gives back what `make` took */
+    void (*begin)(Instance *);   /* states at the start of a run, all zero before */
+    Outcome (*advance)(Instance *, double step);
+    Outcome (*observe)(Instance *, double *observed);
+    Outcome (*forward)(Instance *, double seed_t, double *sensed);
+} Steps;
 
 struct Instance {
     const Unit *unit;
@@ -23,11 +35,13 @@ struct Instance {
     bool event_due;     /* at the end of the last step */
     bool continuous;    /* with event mode: continuous-time or step mode, otherwise event mode */
     double *values;     /* all variables but states and their derivatives, which have their place unused */
+    int states;         /* those of the unit, or as many as its parameters made */
     double *x, *m;      /* continuous state as stepped (reduced where reduced), modes */
     double *p, *c;      /* parameters in force (with integration_tolerance), constants */
     double *k, *later;  /* cubics of the inputs over the step, and counted from an event inside it */
     Solver *solver;
     void *memory; /* of kernels */
+    Wire *wire;
     char message[1024];
     /* work space */
     const double **arguments;

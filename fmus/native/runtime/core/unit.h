@@ -93,6 +93,8 @@ typedef struct {
     int parameters, calculated, inputs, input_derivatives, observed, states, state_derivatives, extras;
 } References;
 
+struct Steps; /* instance.h */
+
 typedef struct {
     const char *name, *token; /* token: guid of FMI 2, instantiationToken of FMI 3 */
     References first;
@@ -120,6 +122,10 @@ typedef struct {
     const Linear *linear;       /* NULL: not a linear unit */
     void *(*memory_make)(void); /* of kernels (kernel.h), whose address traced functions find in iw[0]; NULL: none */
     void (*memory_drop)(void *);
+    const struct Steps *steps; /* NULL: not a unit that steps by itself; it has no states that others know */
+    /* Of a wire, in the plane and then in space: pull and load of a point (dr/ds, its rate, velocity through the water,
+     * acceleration, material), their derivatives, and the change of both in a moment (chain/chain_look.c). */
+    Function point[6];
 } Unit;
 
 extern const Unit towage_unit; /* in the generated unit.c */

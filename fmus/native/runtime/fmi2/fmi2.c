@@ -99,6 +99,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         fmi2_decline(c, "an instance needs a name");
     else if (type != fmi2ModelExchange && type != fmi2CoSimulation)
         fmi2_decline(c, "type %d: expected model exchange (0) or co-simulation (1)", (int)type);
+    else if (type == fmi2ModelExchange && towage_unit.steps)
+        fmi2_decline(c, "%s steps by itself: expected co-simulation (1)", towage_unit.name);
     else if (!guid || strcmp(guid, towage_unit.token) != 0)
         fmi2_decline(c, "guid %s: expected %s", guid ? guid : "(null)", towage_unit.token);
     else if (!(c->it = instance_new(&towage_unit, type == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE)))
@@ -182,11 +184,12 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
         c, instance_directional_derivative(c->it, unknowns, unknown_count, knowns, known_count, seed, sensitivity));
 }
 
-/* Blocks are of one size, instance_state_size, for all instances of the unit. */
-static fmi2Status make_room(Component *c, fmi2FMUstate *state)
+/* A state of `size` bytes at *state; one that the host gives back is used again. */
+static fmi2Status make_room(Component *c, fmi2FMUstate *state, size_t size)
 {
-    if (!*state) *state = malloc(instance_state_size(c->it));
-    if (*state) return fmi2OK;
+    void *made = state_room(*state, size);
+    if (made) *state = made;
+    if (made) return fmi2OK;
     say(c, fmi2Fatal, "no memory for a state");
     return fmi2Fatal;
 }
@@ -196,9 +199,9 @@ fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
     Component *c = component;
     NEEDS(state);
     const bool made = !*state;
-    fmi2Status status = make_room(c, state);
+    fmi2Status status = make_room(c, state, instance_state_size(c->it));
     if (status != fmi2OK) return status;
-    status = fmi2_report(c, instance_save(c->it, *state));
+    status = fmi2_report(c, instance_save(c->it, state_block(*state)));
     if (status != fmi2OK && made) fmi2FreeFMUstate(component, state);
     return status;
 }
@@ -207,7 +210,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
 {
     Component *c = component;
     NEEDS(state);
-    return fmi2_report(c, instance_restore(c->it, state, instance_state_size(c->it)));
+    return fmi2_report(c, instance_restore(c->it, state_block(state), ((StateHead *)state)->size));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
@@ -223,7 +226,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate stat
 {
     Component *c = component;
     NEEDS(state && size);
-    *size = instance_serialized_size(instance_state_size(c->it));
+    *size = instance_serialized_size(((StateHead *)state)->size);
     return fmi2OK;
 }
 
@@ -231,9 +234,9 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
 {
     Component *c = component;
     NEEDS(state && bytes);
-    const size_t block = instance_state_size(c->it), needed = instance_serialized_size(block);
+    const size_t held = ((StateHead *)state)->size, needed = instance_serialized_size(held);
     if (size < needed) return fmi2_decline(c, "room for %zu bytes of a state, expected %zu", size, needed);
-    instance_serialize(state, block, bytes);
+    instance_serialize(state_block(state), held, bytes);
     return fmi2OK;
 }
 
@@ -241,13 +244,14 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
 {
     Component *c = component;
     NEEDS(bytes && state);
-    const size_t needed = instance_serialized_size(instance_state_size(c->it));
-    if (size != needed) /* of the right size but another unit's: refused when it is set */
+    const size_t needed = instance_serialized_size(instance_state_size(c->it)), least = instance_serialized_size(0);
+    const bool varies = towage_unit.steps != NULL;
+    if (varies ? size < least : size != needed) /* of the right size but another unit's: refused when it is set */
         return fmi2_decline(c, "%zu bytes are not a state of %s: expected %zu", size, towage_unit.name, needed);
     const bool made = !*state;
-    fmi2Status status = make_room(c, state);
+    fmi2Status status = make_room(c, state, size - least);
     if (status != fmi2OK) return status;
-    status = fmi2_report(c, instance_deserialize(c->it, bytes, size, *state));
+    status = fmi2_report(c, instance_deserialize(c->it, bytes, size, state_block(*state)));
     if (status != fmi2OK && made) fmi2FreeFMUstate(component, state);
     return status;
 }

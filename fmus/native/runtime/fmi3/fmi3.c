@@ -106,6 +106,8 @@ static Component *make(Kind kind, fmi3String name, fmi3String token, bool loggin
     if (c->name && length) memcpy(c->name, name, length);
     if (c->name && (!token || strcmp(token, towage_unit.token) != 0))
         fmi3_decline(c, fmi3Error, "instantiation token %s: expected %s", token ? token : "(null)", towage_unit.token);
+    else if (c->name && kind == MODEL_EXCHANGE && towage_unit.steps)
+        fmi3_decline(c, fmi3Error, "%s steps by itself: expected co-simulation", towage_unit.name);
     else if (c->name && c->knowns && c->unknowns && c->column && (c->it = instance_new(&towage_unit, kind)))
         return c;
     fmi3FreeInstance(c);

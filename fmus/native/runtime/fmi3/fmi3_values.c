@@ -136,21 +136,12 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
     return fmi3OK;
 }
 
-/* The block of an Instance with its size in front; serialised without. */
-typedef union {
-    size_t size;
-    double align;
-} Head;
-
-static void *block(void *state) { return (Head *)state + 1; }
-
 /* A state of `size` bytes at *state; one that the host gives back is used again. */
 static bool room(Component *c, fmi3FMUState *state, size_t size)
 {
-    Head *head = realloc(*state, sizeof *head + size);
-    if (!head) return fmi3_report(c, refuse(c->it, NO_MEMORY, "no memory for a state")), false;
-    head->size = size;
-    *state = head;
+    void *made = state_room(*state, size);
+    if (!made) return fmi3_report(c, refuse(c->it, NO_MEMORY, "no memory for a state")), false;
+    *state = made;
     return true;
 }
 
@@ -161,7 +152,7 @@ fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
     NEEDS(state);
     const bool made = !*state;
     if (!room(c, state, instance_state_size(c->it))) return fmi3Fatal;
-    Outcome outcome = instance_save(c->it, block(*state));
+    Outcome outcome = instance_save(c->it, state_block(*state));
     if (outcome != DONE && made) fmi3FreeFMUState(instance, state);
     return fmi3_report(c, outcome);
 }
@@ -171,7 +162,7 @@ fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state)
     Component *c = instance;
     if (!c) return fmi3Error;
     NEEDS(state);
-    return fmi3_report(c, instance_restore(c->it, block(state), ((Head *)state)->size));
+    return fmi3_report(c, instance_restore(c->it, state_block(state), ((StateHead *)state)->size));
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state)
@@ -187,7 +178,7 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
 {
     if (!instance) return fmi3Error;
     NEEDS(state && size);
-    *size = instance_serialized_size(((Head *)state)->size);
+    *size = instance_serialized_size(((StateHead *)state)->size);
     return fmi3OK;
 }
 
@@ -195,11 +186,11 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3
 {
     if (!instance) return fmi3Error;
     NEEDS(state && bytes);
-    const size_t held = ((Head *)state)->size, needed = instance_serialized_size(held);
+    const size_t held = ((StateHead *)state)->size, needed = instance_serialized_size(held);
     if (size != needed)
         return fmi3_decline(instance, fmi3Error, "%lu bytes for a state, expected %lu", (unsigned long)size,
                             (unsigned long)needed);
-    instance_serialize(block(state), held, bytes);
+    instance_serialize(state_block(state), held, bytes);
     return fmi3OK;
 }
 
@@ -213,7 +204,7 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[]
     if (size < least) return fmi3_decline(instance, fmi3Error, "%lu bytes are no state", (unsigned long)size);
     const bool made = !*state;
     if (!room(instance, state, size - least)) return fmi3Fatal;
-    const Outcome outcome = instance_deserialize(c->it, bytes, size, block(*state));
+    const Outcome outcome = instance_deserialize(c->it, bytes, size, state_block(*state));
     if (outcome != DONE && made) fmi3FreeFMUState(instance, state);
     return fmi3_report(c, outcome);
 }

@@ -33,13 +33,21 @@ Outcome instance_directional_derivative(Instance *, const unsigned *unknowns, si
                                         double *sensitivity);
 
 /* Full state: one block of instance_state_size bytes, restorable into any instance of the unit. */
-size_t instance_state_size(const Instance *);
+size_t instance_state_size(const Instance *); /* now: some units have as many states as their parameters make */
 Outcome instance_save(Instance *, void *block);
 Outcome instance_restore(Instance *, const void *block, size_t size);
 /* The same as it may be stored: a block and its checksum, so that no number that was changed comes back. */
 size_t instance_serialized_size(size_t block_size);
 void instance_serialize(const void *block, size_t block_size, void *bytes);
 Outcome instance_deserialize(Instance *, const void *bytes, size_t size, void *block);
+
+/* What a host holds: a block with its size in front, in memory that `free` gives back. */
+typedef union {
+    size_t size;
+    double align;
+} StateHead;
+void *state_room(void *kept, size_t size); /* `kept` in a new size, or a new one; NULL: no memory, `kept` stays */
+void *state_block(void *state);
 
 /* Model exchange, the last three with event mode in co-simulation too. The continuous state is that of the unreduced
  * model. */

@@ -33,6 +33,7 @@ static Needs needs(const Unit *u)
         &u->indicate, &u->change,   &u->next_event, &u->outputs, &u->derivatives_forward, &u->outputs_forward,
     };
     for (size_t i = 0; i < sizeof of_unit / sizeof *of_unit; i++) need(&most, of_unit[i]);
+    for (int i = 0; i < 6; i++) need(&most, u->point + i);
     const Linear *l = u->linear;
     if (!l) return most;
     const Function *const of_linear[] = {
@@ -109,6 +110,7 @@ Instance *instance_new(const Unit *unit, Kind kind)
     }
     it->iw[0] = (Integer)(intptr_t)it->memory;
     partition(it, block, &most);
+    it->states = unit->states;
     instance_reset(it);
     return it;
 }
@@ -118,6 +120,7 @@ void instance_free(Instance *it)
     if (!it) return;
     solver_free(it->solver);
     if (it->memory) it->unit->memory_drop(it->memory);
+    if (it->unit->steps && it->values) it->unit->steps->end(it);
     free(it->values); /* the first part of the block */
     free(it->arguments);
     free(it->results);
@@ -128,7 +131,7 @@ void instance_free(Instance *it)
 void instance_reset(Instance *it)
 {
     for (int i = 0; i < it->unit->variables; i++) it->values[i] = it->unit->variable[i].start;
-    memset(it->x, 0, (size_t)it->unit->states * sizeof *it->x);
+    memset(it->x, 0, (size_t)it->states * sizeof *it->x);
     memset(it->m, 0, (size_t)it->unit->modes * sizeof *it->m);
     it->phase = INSTANTIATED;
     it->time = it->offset = it->first_step = 0.0;

@@ -49,6 +49,9 @@ Outcome observe(Instance *it)
     if (unit->linear) {
         outcome = solver_observe(it, it->time, it->u, it->du, observed, it->values + unit->first.extras);
         if (outcome != DONE) return outcome;
+    } else if (unit->steps) {
+        outcome = unit->steps->observe(it, observed);
+        if (outcome != DONE) return outcome;
     } else {
         const double **a = arguments_at(it, &it->time);
         a[4] = it->du;
@@ -125,6 +128,7 @@ Outcome outputs_forward(Instance *it, double seed_t, double *sensed)
     const Unit *unit = it->unit;
     if (unit->linear)
         return solver_forward(it, it->time, it->u, it->du, it->seed_x, it->seed_u, it->seed_du, sensed, NULL);
+    if (unit->steps) return unit->steps->forward(it, seed_t, sensed);
     const double *arguments[] = {
         &it->time, it->x,      it->m, it->u,      it->du,      it->p, it->c, it->values + unit->first.observed,
         &seed_t,   it->seed_x, NULL,  it->seed_u, it->seed_du, NULL,  NULL, /* modes, parameters and constants stay */

@@ -49,6 +49,7 @@ Outcome compute_constants(Instance *it)
     for (int i = 0; unit->required.call && i < unit->requirements; i++)
         if (!(it->scratch[i] > 0.0)) return refuse(it, REFUSED, "%s", unit->requirement[i]);
     if (unit->linear && (outcome = solver_make(it)) != DONE) return outcome;
+    if (unit->steps && (outcome = unit->steps->make(it)) != DONE) return outcome;
     from_parameters(it, &unit->calculate, it->values + unit->first.calculated, NULL);
     it->frozen = unit->frozen >= 0 && it->p[unit->frozen] > 0.5;
     it->stale = false;
@@ -83,9 +84,10 @@ Outcome initialize(Instance *it)
         const Outcome outcome = compute_constants(it);
         if (outcome != DONE) return outcome;
     }
-    memset(it->x, 0, (size_t)unit->states * sizeof *it->x);
+    memset(it->x, 0, (size_t)it->states * sizeof *it->x);
     memset(it->m, 0, (size_t)unit->modes * sizeof *it->m);
     from_parameters(it, &unit->initial, it->x, it->m);
+    if (unit->steps) unit->steps->begin(it);
     it->offset = it->first_step = 0.0;
     it->touched = true;
     it->fresh = false;

@@ -3,6 +3,7 @@
 #include "calls.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "message.h"
@@ -10,7 +11,7 @@
 #include "transition.h"
 
 typedef struct {
-    uint64_t identity;
+    uint64_t identity, states;
     double time, stop_time, offset, first_step;
     int32_t phase, touched, stale, continuous;
 } Head;
@@ -34,22 +35,22 @@ typedef struct {
     size_t states, modes, values; /* bytes; values: all up to the outputs */
 } Sizes;
 
-static Sizes sizes(const Unit *unit)
+static Sizes sizes(const Instance *it)
 {
-    const Sizes s = {(size_t)unit->states * sizeof(double), (size_t)unit->modes * sizeof(double),
+    const Unit *unit = it->unit;
+    const Sizes s = {(size_t)it->states * sizeof(double), (size_t)unit->modes * sizeof(double),
                      (size_t)unit->first.observed * sizeof(double)};
     return s;
 }
 
 size_t instance_state_size(const Instance *it)
 {
-    const Sizes s = sizes(it->unit);
+    const Sizes s = sizes(it);
     return sizeof(Head) + s.states + s.modes + s.values;
 }
 
 Outcome instance_save(Instance *it, void *block)
 {
-    const Sizes s = sizes(it->unit);
     char *to = block;
     if (it->phase == FAILED)
         return refuse(it, REFUSED, "the state of an instance that failed is of no use: reset it, or free it");
@@ -57,7 +58,9 @@ Outcome instance_save(Instance *it, void *block)
         const Outcome outcome = retune(it);
         if (outcome != DONE) return outcome;
     }
+    const Sizes s = sizes(it);
     Head head = {.identity = identity(it),
+                 .states = (uint64_t)it->states,
                  .time = it->time,
                  .stop_time = it->stop_time,
                  .offset = it->offset,
@@ -81,6 +84,16 @@ void instance_serialize(const void *block, size_t block_size, void *bytes)
     memcpy(bytes, block, block_size);
     memcpy((char *)bytes + block_size, &hash, sizeof hash);
 }
+
+/* A block of the caller's with its size in front, `kept` or a new one; NULL: no memory. */
+void *state_room(void *kept, size_t size)
+{
+    StateHead *head = realloc(kept, sizeof *head + size);
+    if (head) head->size = size;
+    return head;
+}
+
+void *state_block(void *state) { return (StateHead *)state + 1; }
 
 /* Whose state it is, is seen when it is set. */
 Outcome instance_deserialize(Instance *it, const void *bytes, size_t size, void *block)
@@ -107,13 +120,15 @@ static bool finite_numbers(const char *from, size_t size)
 Outcome instance_restore(Instance *it, const void *block, size_t size)
 {
     const Unit *unit = it->unit;
-    const Sizes s = sizes(unit);
     const size_t parameters = (size_t)unit->first.calculated * sizeof(double);
     const char *from = block;
-    Head head;
-    if (size == instance_state_size(it)) memcpy(&head, from, sizeof head);
-    if (size != instance_state_size(it) || head.identity != identity(it) || head.phase < INSTANTIATED
-        || head.phase >= FAILED || !finite_numbers((const char *)&head.time, 4 * sizeof head.time)
+    Head head = {0};
+    if (size >= sizeof head) memcpy(&head, from, sizeof head);
+    const Sizes s = {(size_t)head.states * sizeof(double), sizes(it).modes, sizes(it).values};
+    if (head.states > size || size != sizeof head + s.states + s.modes + s.values
+        || (!unit->steps && head.states != (uint64_t)unit->states) || head.identity != identity(it)
+        || head.phase < INSTANTIATED || head.phase >= FAILED
+        || !finite_numbers((const char *)&head.time, 4 * sizeof head.time)
         || !finite_numbers(from + sizeof head, size - sizeof head))
         return refuse(it, REFUSED, "this is not a state of %s", unit->name);
     if (it->phase == FAILED) return refuse(it, REFUSED, "the instance failed before: reset it, or free it");
@@ -124,8 +139,11 @@ Outcome instance_restore(Instance *it, const void *block, size_t size)
         const Outcome outcome = compute_constants(it);
         if (outcome != DONE) return outcome;
     }
+    const bool fits = head.states == (uint64_t)it->states; /* before the first step, states are of no account */
+    if (!fits && !head.stale) return refuse(it, REFUSED, "this is not a state of %s", unit->name);
     it->stale = head.stale;
-    memcpy(it->x, from += sizeof head, s.states);
+    from += sizeof head;
+    if (fits) memcpy(it->x, from, s.states);
     memcpy(it->m, from + s.states, s.modes);
     it->phase = (Phase)head.phase;
     it->time = head.time;

@@ -174,6 +174,7 @@ static Outcome advance(Instance *it, double begin, End *end)
     }
     change_due(it, begin);
     if (unit->linear) return solver_advance(it, end->s);
+    if (unit->steps) return unit->steps->advance(it, end->s);
     const bool watched = it->early && unit->indicators > 0; /* inputs alone may make events */
     if (unit->states == 0 && !watched) return DONE;
     return move_to(it, begin, end);
@@ -201,13 +202,14 @@ static Outcome check_step(Instance *it, double time, double step)
 
 Outcome instance_step(Instance *it, double time, double step)
 {
-    const size_t states = (size_t)it->unit->states * sizeof *it->x, modes = (size_t)it->unit->modes * sizeof *it->m;
+    const size_t modes = (size_t)it->unit->modes * sizeof *it->m;
     const double first_step = it->first_step, here = it->time, offset = it->offset;
     const bool touched = it->touched;
     End reached = {step, time + step};
     Number begin, end;
     Outcome outcome = check_step(it, time, step);
     if (outcome != DONE) return outcome;
+    const size_t states = (size_t)it->states * sizeof *it->x; /* known once parameters are in force */
     memcpy(it->kept_x, it->x, states);
     memcpy(it->kept_m, it->m, modes);
     outcome = advance(it, time, &reached);
