@@ -127,6 +127,7 @@ class Simulation:
         self.searches = searches and can_roll_back and bool(system.indicators)
         self.clocks = not scheme.holds and bool(system.clocks or system.eventful)
         self.keeps = can_roll_back and (self.searches or self.tolerance is not None or scheme.goes_back)
+        self.saves = self.keeps or (scheme.goes_back and bool(system.repeated))
         self.grid = settings.step if settings.step is not None else settings.max_step
         self.control = self.max_step if self.tolerance is None else min(self.max_step, 1e-3 * self.stop)
         self.time, self.done = 0.0, 0
@@ -159,10 +160,10 @@ class Simulation:
         system, time = self.system, self.time
         target, announced = self.target()
         step = target - time
-        if self.keeps:
+        if self.saves:
             system.save(time)
         estimate, step = self.attempt(time, step)
-        if self.keeps and len(self.run.steps).bit_count() < 2:  # steps 0, 1, 2, 4, 8, ...
+        if self.saves and len(self.run.steps).bit_count() < 2:  # steps 0, 1, 2, 4, 8, ...
             repeat(system, time, step, self.limit)
         if self.tolerance is not None and not self.accepts(estimate, step):
             system.restore()

@@ -20,6 +20,7 @@ from towage.master.signals import Signal, TextSignal, evaluation_order, looped, 
 from towage.scene.resolve import ResolvedScene
 from towage.units.archive import unpacked
 from towage.units.conventions import CLOCK, FREEZE, has, indicators
+from towage.units.doubt import Doubts
 from towage.units.fmu import Unit, UnitFactory
 
 ROUNDING = 1e-12
@@ -47,6 +48,7 @@ class System:
     ) -> None:
         self.scene = scene
         self.distrusted = dict(distrusted or {})
+        self.doubts: Doubts = {}
         self.now: Callable[[], float | None] = lambda: None
         self.noise: dict[str, float] = {}
         self.scales: dict[int, list[float]] = {}
@@ -92,12 +94,14 @@ class System:
         self.unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
-        self.order = evaluation_order(self.into)
+        stuck = {i for i, unit in enumerate(self.units) if not unit.can_roll_back}
+        self.order = evaluation_order(self.into, stuck)
         place = {unit: k for k, unit in enumerate(self.order)}
         for s in self.signals:
             s.backward = place[s.source] >= place[s.target]
         self.backward = [s for s in self.signals if s.backward]
         self.looped = looped(self.order, self.backward, self.into)
+        self.repeated = [i for i in self.looped if i not in stuck]
 
     def _known(self, held: bool) -> None:
         """What the master has to look after in these units."""
@@ -210,10 +214,11 @@ class System:
         self.old_step = step
 
     def save(self, time: float) -> None:
-        """Save the state of every unit."""
+        """Save the state of every unit that goes back."""
         self.saved_at = time
         for unit in self.units:
-            unit.save(time)
+            if unit.can_roll_back:
+                unit.save(time)
 
     def restore(self, units: Sequence[int] | None = None) -> None:
         """Restore the saved state of some units (default: all)."""

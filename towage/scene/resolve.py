@@ -24,6 +24,7 @@ from towage.units.archive import read_description
 from towage.units.conventions import has
 from towage.units.description import Description, Value, Variable
 from towage.units.store import Locate
+from towage.units.vetted import heeded
 
 
 class ResolvedConnection(NamedTuple):
@@ -109,7 +110,7 @@ def warned(scene: Scene, locate: Locate) -> tuple[str, ...]:
 def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
     """What the FMUs of a scene's units say of themselves, each file read once. Raises what `described` raises."""
     paths = {name: _path(scene, name, entry.fmu, locate) for name, entry in scene.units.items()}
-    read = {path: read_description(path) for path in dict.fromkeys(paths.values())}
+    read = {path: heeded(path, read_description(path)) for path in dict.fromkeys(paths.values())}
     return {name: read[path] for name, path in paths.items()}
 
 
@@ -159,6 +160,7 @@ def _bare(scene: Scene, names: Names) -> ResolvedScene:
     _check_single_sources(connections, names)
     values = Values(names)
     units = {name: ResolvedUnit(name, d.path, d, values.of(name)) for name, d in names.descriptions.items()}
+    _check_aliases(connections, units, names)
     loops = tuple(" -> ".join(loop) for loop in _loops(connections, names.descriptions))
     said = [f"{name}: {text}" for name, d in names.descriptions.items() for text in d.warnings]
     warnings = tuple(dict.fromkeys((*said, *names.warnings)))
@@ -197,6 +199,22 @@ def _check_single_sources(connections: tuple[ResolvedConnection, ...], names: Na
             target = f"{connection.target_unit}.{connection.target}"
             message = f"{target} has two sources: {first.source_unit}.{first.source} and "
             raise names.fault(f"{message}{connection.source_unit}.{connection.source}", f"connections[{index}]")
+
+
+def _check_aliases(
+    connections: Sequence[ResolvedConnection], units: Mapping[str, ResolvedUnit], names: Names
+) -> None:
+    """Refuses two names of one variable that are both set: the second would take the place of the first."""
+    for unit in units.values():
+        variables, first = unit.description.by_name(), dict[tuple[int, str], str]()
+        for name in dict.fromkeys([*unit.parameters, *(c.target for c in connections if c.target_unit == unit.name)]):
+            v = variables[name]
+            other = first.setdefault((v.value_reference, v.kind), name)
+            if v.array == 1 and other != name:
+                raise names.fault(
+                    f"{unit.name}.{other} and {unit.name}.{name} are two names of one variable (value reference "
+                    f"{v.value_reference}): set or connect one of them", f"units.{unit.name}",
+                )  # fmt: skip
 
 
 def _check_margins(names: Names) -> None:
