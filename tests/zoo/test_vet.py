@@ -11,11 +11,17 @@ import pytest
 
 from towage.cli import main
 from towage.process.child import converse
+from towage.scene.flavour import resolve
+from towage.units import vetted
+from towage.units.archive import read_description
+from towage.units.vetted import HEED, heeded
 from towage.vet.bench import Bench
 from towage.vet.trials import TRIALS, tried
 from towage.vet.vet import vet
 
-from .zoo import animal, animal3, run, told
+from .zoo import animal, animal3, run, scene, told
+
+EXPERIMENT = {"experiment": '<DefaultExperiment stepSize="0.1"/>'}
 
 
 @pytest.fixture(autouse=True)
@@ -54,6 +60,59 @@ def test_what_a_unit_does_is_found(tmp_path: Path, manner: str, trial: str, foun
     fmu = animal(tmp_path / "a.fmu", manner)
     answer = vet_one(trial, fmu)
     assert answer[found][0] == level, answer
+
+
+INTERPOLATES = {"options": 'canInterpolateInputs="true"'}
+SERIALISES = {"options": 'canSerializeFMUstate="true"'}
+
+
+@pytest.mark.parametrize(
+    ("manner", "trial", "about", "says"),
+    [
+        ("deaf", "slopes", INTERPOLATES, "takes derivatives of its inputs and does nothing with them"),
+        ("forgetful", "serialisation", SERIALISES, "it is not complete"),
+        ("restless", "reading", {}, "where it is read again alone"),
+        ("behind", "delay", {}, "an input acts 1 step late"),
+        ("ignores", "start", {}, "reads something else than was set: gain"),
+        ("quantum", "step size", EXPERIMENT, "y differs by"),
+        ("thread", "threads", {}, "differs in another thread, most in y"),
+    ],
+)
+def test_what_a_unit_does_is_found_and_a_scene_says_what_follows(
+    tmp_path: Path, manner: str, trial: str, about: dict[str, str], says: str
+) -> None:
+    """Where it is said: what the trial found, and the warning before the run, which ends with what the master does about it."""
+    fmu = Path(animal(tmp_path / "a.fmu", manner, **about))
+    tried_in = "rollback" if trial == "serialisation" else trial
+    (found,) = (each for each in tried(tried_in, fmu) if each.name == trial)
+    assert found.level in ("warning", "fault") and says in found.message
+    vetted.write(fmu, {"trials": [found._asdict()]})
+    description = heeded(fmu, read_description(fmu))
+    assert [w.startswith("was vetted: ") and w.endswith(f", therefore {HEED[trial]}") for w in description.warnings] == (
+        [True] if trial in HEED else []
+    )
+    assert not description.can_serialize_state
+    assert description.can_interpolate_inputs == (False if trial == "slopes" else bool(about == INTERPOLATES))
+
+
+@pytest.mark.parametrize(("manner", "trial", "about"), [
+    ("listens", "slopes", INTERPOLATES), ("sound", "rollback", SERIALISES), ("decays", "step size", {}),
+])  # fmt: skip
+def test_what_is_sound_is_not_blamed(tmp_path: Path, manner: str, trial: str, about: dict[str, str]) -> None:
+    fmu = animal(tmp_path / "a.fmu", manner, **about)
+    assert set(levels(trial, fmu).values()) <= {"ok", "note"}, tried(trial, Path(fmu))
+
+
+def test_feedthrough_that_is_not_declared_is_taken_for_granted_once_vetted(tmp_path: Path) -> None:
+    """A loop through w is seen then."""
+    fmu = animal(tmp_path / "a.fmu", depends={"w": ""})
+    units = {"a": fmu, "b": {"fmu": fmu, "parameters": {"gain": -0.5}}}
+    loop = ["a.w -> b.u", "b.w -> a.u"]
+    assert resolve(scene(units, loop)).loops == ()
+    vetted.write(Path(fmu), {"trials": [each._asdict() for each in tried("feedthrough", Path(fmu))]})
+    resolved = resolve(scene(units, loop))
+    assert resolved.loops
+    assert any("each of its outputs counts as depending on each of its inputs" in text for text in resolved.warnings)
 
 
 def vet_one(trial: str, fmu: str) -> dict[str, tuple[str, str]]:

@@ -22,7 +22,7 @@ def before(start: Start) -> list[Finding]:
     return findings
 
 
-TOLD = ("end", "grid", "noise", "late outputs", "messages")
+TOLD = ("end", "grid", "noise", "fallback", "late outputs", "start values", "reading", "bounds", "warnings", "messages")
 """Findings of the run that its summary repeats."""
 
 

@@ -107,7 +107,8 @@ def _run_once(
         result = begun(resolved, settings.scheme.name, planned.findings)
         columns, track, settings = _coupled_run(resolved, system, settings, result, stages, journal, resume)
         if result.status == "done":
-            order = settings.scheme.order if settings.step else 0
+            known = 1 if system.foreign else settings.scheme.order  # nobody knows the order of what others solve inside
+            order = known if settings.step else 0
             others = OtherRuns(resolved, settings, stages, make_unit, doubts)
             times = comparison_times(settings.stop_time, settings.step, len(track.time))
             _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))

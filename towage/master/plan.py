@@ -77,7 +77,7 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
         scheme, why = choose(system, interface_loops, step or 0.0)
         level: Literal["info", "warning"] = "warning" if system.distrusted else "info"
         findings.append(Finding("scheme", level, None, None, f"auto: {scheme.name}, because {why}"))
-        fallbacks = {(unit, "state"): why for unit, why in system.distrusted.items()} | system.doubts
+        fallbacks: Doubts = {(unit, "state"): why for unit, why in system.distrusted.items()} | system.doubts
         findings += [Finding("fallback", "warning", None, None, said(unit, why, what)) for (unit, what), why in fallbacks.items()]
     else:
         scheme = SCHEMES.get(coupling.scheme)

@@ -44,8 +44,15 @@ def after(system: System, settings: Settings, run: Run) -> list[Finding]:
         )
         remedy = "take a shorter step, or connect the output; `towage vet` tells whether they depend"
         findings.append(Finding("late outputs", "warning", None, None, message, remedy))
+    findings += system.found.values()
     for unit in system.units:
         log = unit.instance.log
+        if log.warnings:
+            first = next((f": {m.text}" for m in log.messages if m.status == STATUS[1]), "")
+            at = "at the start" if log.warned_at is None else f"at t = {log.warned_at:.9g} s"
+            message = f"{unit.name} returned Warning from {log.warnings} calls, first {at}{first}"
+            remedy = "something may be wrong, as the standard has it: read the log, or ask the maker of the unit"
+            findings.append(Finding("warnings", "warning", float(log.warnings), None, message, remedy))
         grave = [message for message in log.messages if message.status in GRAVE]
         if grave:
             more = f", {log.lost} more were not kept" if log.lost else ""

@@ -18,10 +18,12 @@ from dataclasses import dataclass, field
 from towage.errors import RunError
 from towage.master.bonds import BondEnergy, accounts
 from towage.master.events import crossing, happened, indications, locate
+from towage.master.points import changed, look_after
 from towage.master.recorder import Recorder
 from towage.master.schemes import Scheme
 from towage.master.system import System
 from towage.master.trust import allowed, repeat
+from towage.master.watch import Watch
 from towage.result.result import Event
 from towage.units.fmu import StepRefused
 
@@ -114,6 +116,7 @@ class Simulation:
     def __init__(self, system: System, settings: Settings, recorder: Recorder) -> None:
         self.system = system
         self.recorder = recorder
+        self.watch = Watch(system) if system.foreign else None
         self.cares, self.texts = bool(system.foreign or system.discrete or system.texts), bool(recorder.texts)
         self.run = Run(bonds=accounts(system))
         system.now = lambda: self.run.time
@@ -261,23 +264,27 @@ class Simulation:
         system, run = self.system, self.run
         for bond in run.bonds:
             bond.add(step)
+        if self.watch:
+            self.watch.before(end, step)
         system.accept(step)
         run.time = end
         if self.cares:
-            system.look_after(end)
+            look_after(system, end)
         left = [unit.values for unit in system.units]
         event = crossed or end >= announced
         if event:
             for one in happened(system, end, self.before, announced if end >= announced else None):
                 run.events.append(one)
                 self.recorder.event(one)
-        if (self.cares and system.changed(end)) or event:
+        if (self.cares and changed(system, end)) or event:
             self.recorder.row(end, left)  # the limits from the left
             system.refresh(end)
         if self.searches:
             self.before = indications(system)
         self.time = end
         run.steps.append(step)
+        if self.watch:
+            self.watch.after(end, len(run.steps).bit_count() < 2)
         if self.cares and (enders := [name for name, at in system.endings if abs(at - end) <= MERGE * step]):
             run.ended_by, self.stop = enders[0], end
         if self.tolerance is None and end >= (self.done + 1) * self.grid - MERGE * self.grid:

@@ -82,7 +82,8 @@ def _slopes(unit: Unit, time: float, step: float) -> None:
         for place in unit.inputs.values():
             if told.start <= place.derivatives < told.stop:
                 buffer[place.slot] = kept[place.slot] + share * step * kept[place.derivatives]
-        buffer[told] = [0.0] * (told.stop - told.start)
+        for k in range(told.start, told.stop):
+            buffer[k] = 0.0
         _again(unit, time, step)
         outcomes.append(unit.values)
     buffer[:] = kept

@@ -29,6 +29,7 @@ from towage.files import scratch
 from towage.process.overseer import Limits
 from towage.process.served import LENGTH, Said, serve
 from towage.units.description import Description, Value
+from towage.units.doubt import Doubt
 from towage.units.fmu import StepRefused, Unit
 from towage.units.log import STATUS, Log
 from towage.units.wiring import Wanted, Wiring
@@ -104,7 +105,10 @@ class Remote(Unit):
             raise RunError("its process sent what is no reply", unit=self.name, time=time) from None
         if refusal := said.refusal:
             raise StepRefused(refusal.text, self.name, refusal.ends, refusal.reached, refusal.event)
-        if failure := said.failure:
+        failure = said.failure
+        if failure and failure.doubt:
+            raise Doubt(failure.message, failure.doubt, failure.why, self.name, failure.variable, failure.time)
+        if failure:
             raise RunError(failure.message, unit=self.name, variable=failure.variable, time=failure.time)
         return reply[end:]
 
@@ -113,7 +117,7 @@ class Remote(Unit):
         instance, words = self.instance, self.wiring.others.words
         for status, category, text in said.log:
             instance.log.add(STATUS.index(status) if status in STATUS else -1, category, text)
-        instance.log.lost = said.lost
+        instance.log.lost, instance.log.warnings, instance.log.warned_at = said.lost, said.warnings, said.warned_at
         instance.meddled |= dict.fromkeys(said.meddled)
         instance.dead, instance.freezes, self._handled = said.dead, said.freezes, said.handled
         instance.next_event = math.inf if said.next_event is None else said.next_event

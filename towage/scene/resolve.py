@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from towage.errors import SceneError, TowageError
 from towage.registry import SCHEMES
-from towage.scene.inputs import check_constants, unset_inputs
+from towage.scene.inputs import check_aliases, check_constants, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.values import Names, Values, with_article
@@ -136,6 +136,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
     resolved = _bare(scene, names)
     sources = {(c.target_unit, c.target): f"{c.source_unit}.{c.source}" for c in resolved.connections}
     check_constants(names, sources)
+    check_aliases(names, sources)
     forgotten = unset_inputs(names, sources, open_ends)
     check_physical(names, {name: unit.parameters for name, unit in resolved.units.items()})
     _check_margins(names)
@@ -160,7 +161,6 @@ def _bare(scene: Scene, names: Names) -> ResolvedScene:
     _check_single_sources(connections, names)
     values = Values(names)
     units = {name: ResolvedUnit(name, d.path, d, values.of(name)) for name, d in names.descriptions.items()}
-    _check_aliases(connections, units, names)
     loops = tuple(" -> ".join(loop) for loop in _loops(connections, names.descriptions))
     said = [f"{name}: {text}" for name, d in names.descriptions.items() for text in d.warnings]
     warnings = tuple(dict.fromkeys((*said, *names.warnings)))
@@ -199,22 +199,6 @@ def _check_single_sources(connections: tuple[ResolvedConnection, ...], names: Na
             target = f"{connection.target_unit}.{connection.target}"
             message = f"{target} has two sources: {first.source_unit}.{first.source} and "
             raise names.fault(f"{message}{connection.source_unit}.{connection.source}", f"connections[{index}]")
-
-
-def _check_aliases(
-    connections: Sequence[ResolvedConnection], units: Mapping[str, ResolvedUnit], names: Names
-) -> None:
-    """Refuses two names of one variable that are both set: the second would take the place of the first."""
-    for unit in units.values():
-        variables, first = unit.description.by_name(), dict[tuple[int, str], str]()
-        for name in dict.fromkeys([*unit.parameters, *(c.target for c in connections if c.target_unit == unit.name)]):
-            v = variables[name]
-            other = first.setdefault((v.value_reference, v.kind), name)
-            if v.array == 1 and other != name:
-                raise names.fault(
-                    f"{unit.name}.{other} and {unit.name}.{name} are two names of one variable (value reference "
-                    f"{v.value_reference}): set or connect one of them", f"units.{unit.name}",
-                )  # fmt: skip
 
 
 def _check_margins(names: Names) -> None:

@@ -72,6 +72,8 @@ class Group:
             return [(value or b"").decode(errors="replace") for value in self.values]
         if self.kind == "Binary":
             return [c.string_at(at, size) if at else b"" for at, size in zip(self.values, self.sizes)]
+        if self.kind == "Boolean":
+            return [float(value != 0) for value in self.values]  # some say -1, or 2
         return [float(value) for value in self.values]
 
 

@@ -198,6 +198,7 @@ class DescriptionReader:
             )
         kind = ElementTree.Element(own.tag, {**(self.types[declared].attrib if declared else {}), **own.attrib})
         kind.attrib.pop("name", None)
+        low, high = self.items(self.types[declared]) if declared else (None, None)
         exact = variability == "constant"
         return Variable(
             name=name,
@@ -210,13 +211,20 @@ class DescriptionReader:
             start=number_of(kind, "start", _VALUES[own.tag]),
             unit=kind.get("unit"),
             display_unit=kind.get("displayUnit"),
-            min=number_of(kind, "min", float),
-            max=number_of(kind, "max", float),
+            min=low if low is not None else number_of(kind, "min", float),
+            max=high if high is not None else number_of(kind, "max", float),
             nominal=number_of(kind, "nominal", float),
             description=element.get("description", ""),
             needed=self.meant(name)[0],
             unset=self.meant(name)[1],
         )
+
+    @staticmethod
+    def items(declared: ElementTree.Element | None) -> tuple[float | None, float | None]:
+        """The least and the largest value that a type names, which has values of its own: an enumeration; None for others."""
+        found = () if declared is None else declared.iterfind("Item")
+        values = [value for item in found if (value := number_of(item, "value", float)) is not None]
+        return (min(values), max(values)) if values else (None, None)
 
     def dependencies(self, variables: tuple[Variable, ...]) -> dict[str, tuple[str, ...] | None]:
         """Direct dependencies of the outputs, on inputs only."""
