@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 
 from towage.cli import main
+from towage.errors import SceneError
 from towage.process.child import converse
 from towage.scene.flavour import resolve
 from towage.units import vetted
 from towage.units.archive import read_description
 from towage.units.vetted import HEED, heeded
+from towage.vet import process
 from towage.vet.bench import Bench
 from towage.vet.trials import TRIALS, tried
 from towage.vet.vet import vet
@@ -35,8 +37,9 @@ def levels(name: str, fmu: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("make", [animal, animal3])
-def test_a_sound_unit_is_sound(tmp_path: Path, make: object) -> None:
+def test_a_sound_unit_is_sound(tmp_path: Path, make: object, monkeypatch: pytest.MonkeyPatch) -> None:
     fmu = make(tmp_path / "a.fmu")  # type: ignore[operator]
+    monkeypatch.setattr(process, "LEAK_STEPS", 5000)
     for name in TRIALS:
         assert set(levels(name, fmu).values()) <= {"ok", "note"}, (name, tried(name, Path(fmu)))
 
@@ -48,7 +51,6 @@ def test_a_sound_unit_is_sound(tmp_path: Path, make: object) -> None:
         ("hidden", "rollback", "state", "warning"),
         ("lazy", "feedthrough", "feedthrough", "note"),
         ("wanders", "environment", "environment", "fault"),
-        ("leaks", "leaks", "leaks", "warning"),
         ("forks", "environment", "environment", "fault"),
         ("rounds", "environment", "environment", "fault"),
         ("shares", "determinism", "two instances", "fault"),
@@ -72,7 +74,7 @@ SERIALISES = {"options": 'canSerializeFMUstate="true"'}
         ("deaf", "slopes", INTERPOLATES, "takes derivatives of its inputs and does nothing with them"),
         ("forgetful", "serialisation", SERIALISES, "it is not complete"),
         ("restless", "reading", {}, "where it is read again alone"),
-        ("behind", "delay", {}, "an input acts 1 step late"),
+        ("behind", "delay", {}, "inputs reach y a step late"),
         ("ignores", "start", {}, "reads something else than was set: gain"),
         ("quantum", "step size", EXPERIMENT, "y differs by"),
         ("thread", "threads", {}, "differs in another thread, most in y"),
@@ -110,9 +112,19 @@ def test_feedthrough_that_is_not_declared_is_taken_for_granted_once_vetted(tmp_p
     loop = ["a.w -> b.u", "b.w -> a.u"]
     assert resolve(scene(units, loop)).loops == ()
     vetted.write(Path(fmu), {"trials": [each._asdict() for each in tried("feedthrough", Path(fmu))]})
-    resolved = resolve(scene(units, loop))
-    assert resolved.loops
-    assert any("each of its outputs counts as depending on each of its inputs" in text for text in resolved.warnings)
+    with pytest.raises(SceneError, match=r"algebraic loop a\.w -> b\.u -> b\.w"):
+        resolve(scene(units, loop))
+    warnings = resolve(scene(units, loop[:1])).warnings
+    assert any("each of its outputs counts as depending on each of its inputs" in text for text in warnings)
+
+
+@pytest.mark.parametrize("steps", [5000, pytest.param(None, marks=pytest.mark.slow)])
+def test_a_leak_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, steps: int | None) -> None:
+    if steps:
+        monkeypatch.setattr(process, "LEAK_STEPS", steps)
+    (found,) = tried("leaks", Path(animal(tmp_path / "a.fmu", "leaks")))
+    assert (found.level, found.value) == ("warning", pytest.approx(1008.0, rel=0.2))
+    assert f"over {9 * (steps or 100_000) // 10} steps" in found.message
 
 
 def vet_one(trial: str, fmu: str) -> dict[str, tuple[str, str]]:

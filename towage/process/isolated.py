@@ -31,6 +31,7 @@ from towage.process.served import LENGTH, Said, serve
 from towage.units.description import Description, Value
 from towage.units.doubt import Doubt
 from towage.units.fmu import StepRefused, Unit
+from towage.units.kinds import is_double
 from towage.units.log import STATUS, Log
 from towage.units.wiring import Wanted, Wiring
 
@@ -156,7 +157,7 @@ class Remote(Unit):
     def constant(self, name: str) -> float | None:
         """As `Unit.constant`."""
         v = self.variables.get(name)
-        if not v or v.type != "Real":
+        if not v or not is_double(v):
             return None
         reply = self._ask("initialisation", math.nan, "constant", name)
         return array("d", reply)[0] if len(reply) == 8 else None

@@ -13,6 +13,7 @@ from pathlib import Path
 from towage.errors import RunError
 from towage.units.description import Description, Value
 from towage.units.doubt import Doubt
+from towage.units.kinds import is_double
 from towage.units.library import NEVER_BEFORE, Instance
 from towage.units.log import STATUS
 from towage.units.wiring import Wanted, Wiring
@@ -87,9 +88,9 @@ class Unit:
         self.get(time)
 
     def constant(self, name: str) -> float | None:
-        """Current value of a Real variable, None if the unit has none of that name."""
+        """Current value of a double, None if the unit has none of that name; elements of arrays are not read alone."""
         v = self.variables.get(name)
-        return self.instance.real(v.value_reference) if v and v.type == "Real" else None
+        return self.instance.real(v.value_reference) if v and is_double(v) else None
 
     def set(self, time: float) -> None:
         """Pass the input buffer on."""

@@ -77,6 +77,11 @@ class Group:
         return [float(value) for value in self.values]
 
 
+def is_double(v: Variable) -> bool:
+    """Whether the variable is one double, which a call for doubles reads."""
+    return v.array == 1 and v.kind.partition(" ")[0] in DOUBLES
+
+
 def references_of(variables: Sequence[Variable]) -> list[int]:
     """What a call for these variables names: each of them, an array once, whose elements follow one another. Two names of one
     variable are two."""

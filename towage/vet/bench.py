@@ -89,10 +89,15 @@ class Bench:
                 break
         return rows
 
-    def worst(self, one: Sequence[Sequence[float]], other: Sequence[Sequence[float]]) -> tuple[float, str]:
-        """(largest relative difference of two runs, the output), relative to the largest value of the output."""
+    def worst(
+        self, one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], smooth: bool = False
+    ) -> tuple[float, str]:
+        """(largest relative difference of two runs, the output), relative to the largest value of the output; ``smooth``: of
+        continuous outputs alone."""
         worst, which = 0.0, ""
         for k, v in enumerate(self.outputs):
+            if smooth and v.variability != "continuous":
+                continue
             scale = max((abs(row[k]) for row in (*one, *other)), default=0.0)
             gap = max((abs(a[k] - b[k]) for a, b in zip(one, other)), default=0.0)
             if gap > worst * scale:

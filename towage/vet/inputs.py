@@ -8,6 +8,7 @@ from towage.errors import RunError
 from towage.master.trust import REPEATED
 from towage.units.description import Variable
 from towage.units.fmu import StepRefused, Unit
+from towage.units.kinds import is_double
 from towage.vet.bench import STEPS, Bench, Trial
 
 NUDGE = 1e-3
@@ -66,12 +67,13 @@ def delay(bench: Bench) -> list[Trial]:
                 except StepRefused:
                     break
             runs.append(rows[3:])
-    acts = next((k for k, (a, b) in enumerate(zip(*runs)) if a != b), None)
-    if acts is None:
-        return [Trial("delay", "note", "no output follows the inputs within three steps")]
-    if acts:
-        return [Trial("delay", "warning", f"an input acts {acts} step{'s' if acts > 1 else ''} late", acts)]
-    return [Trial("delay", "ok", "an input acts in the step that it is set for")]
+    smooth = [k for k, v in enumerate(bench.outputs) if v.variability == "continuous"]
+    first = {k: next((n for n, (a, b) in enumerate(zip(*runs)) if a[k] != b[k]), None) for k in smooth}
+    if late := [bench.outputs[k].name for k, n in first.items() if n]:
+        return [Trial("delay", "warning", f"inputs reach {', '.join(late[:3])} a step late", len(late))]
+    if all(n is None for n in first.values()):
+        return [Trial("delay", "note", "no continuous output follows the inputs within three steps")]
+    return [Trial("delay", "ok", "inputs act in the step that they are set for")]
 
 
 def _inside(v: Variable, value: float, share: float) -> float:
@@ -92,9 +94,9 @@ def reading(bench: Bench) -> list[Trial]:
             time = (k + 1) * bench.step
             alone = [unit.constant(v.name) for v in reversed(bench.outputs)][::-1]
             for first, second, v in zip(rows[-1] if rows else (), alone, bench.outputs):
-                if first != second:
+                if second is not None and first != second:
                     text = f"{v.name} is {first!r}, and {second!r} where it is read again alone"
-                    return [Trial("reading", "fault", text, abs(first - (second or 0.0)))]
+                    return [Trial("reading", "fault", text, abs(first - second))]
             unit.set(time)
             unit.get(time)
     gap, name = bench.worst(plain, rows)
@@ -105,7 +107,7 @@ def reading(bench: Bench) -> list[Trial]:
 
 def start(bench: Bench) -> list[Trial]:
     """Are start values of parameters there when they are read back?"""
-    numbers = [v for v in bench.description.variables if v.causality == "parameter" and v.type == "Real" and v.start is not None]
+    numbers = [v for v in bench.description.variables if v.causality == "parameter" and is_double(v) and v.start is not None]
     if not numbers:
         return [Trial("start", "note", "has no parameters with start values that are numbers")]
     values = {v.name: _inside(v, float(v.start or 0.0), NUDGE) for v in numbers}
@@ -132,7 +134,7 @@ def step_size(bench: Bench) -> list[Trial]:
     with bench.unit() as unit:
         bench.excite(unit, 7.0 * bench.step)
         half = _steps(bench, unit, 0.5 * bench.step, 2)
-    gap, name = bench.worst(whole, half)
+    gap, name = bench.worst(whole, half, smooth=True)
     if not whole or len(whole) != len(half):
         return [Trial("step size", "note", f"not told: it refuses steps of {0.5 * bench.step:g} s")]
     if not gap:
