@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from towage.errors import SceneError
 from towage.process.worker import run_isolated
 from towage.scene.flavour import resolve
 
