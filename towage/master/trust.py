@@ -86,7 +86,8 @@ def _slopes(unit: Unit, time: float, step: float) -> None:
             buffer[k] = 0.0
         _again(unit, time, step)
         outcomes.append(unit.values)
-    buffer[:] = kept
+    for k, value in enumerate(kept):
+        buffer[k] = value
     _again(unit, time, step)
     if outcomes[0] == first != outcomes[1]:
         raise Doubt(
