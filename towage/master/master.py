@@ -29,7 +29,7 @@ from towage.result.journal import Journal, Kept
 from towage.result.records import Finding, Item
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, check_instances
 from towage.scene.scene import Scene
 from towage.scene.select import one_case
 from towage.units.doubt import Doubt, Doubts, without
@@ -81,6 +81,8 @@ def run_resolved(
     Raises `SceneError` for a scene that the checks before the run refuse. A run that fails on its way comes back as a
     result with status "failed" and what was recorded until then.
     """
+    if make_unit is Unit:
+        check_instances(resolved)
     doubts: Doubts = {}
     while True:
         try:
