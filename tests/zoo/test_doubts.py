@@ -189,9 +189,18 @@ def test_a_step_that_ends_elsewhere_than_it_says_is_told(tmp_path: Path) -> None
     assert "says that it did the whole step to 0.1 s, and that it came to 0.05 s" in told(result, "warnings")
 
 
-def test_static_variables_are_those_of_one_unit(tmp_path: Path) -> None:
+def test_feedthrough_that_is_not_declared_is_said(tmp_path: Path) -> None:
+    fmu = animal(tmp_path / "b.fmu", depends={"w": ""})
+    units = {"a": {"fmu": animal(tmp_path / "a.fmu"), **ONE}, "b": fmu}
+    result = run(units, CHAIN)
+    assert "b.w follows u without delay, and its description declares that it does not" in told(result, "feedthrough")
+    assert result["b.y"] == pytest.approx(result.time**2 / 2.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("manner", ["shares", "alone"])
+def test_static_variables_are_those_of_one_unit(tmp_path: Path, manner: str) -> None:
     """Two units of one file, and the run with longer steps after them."""
-    fmu = animal(tmp_path / "a.fmu", "shares")
+    fmu = animal(tmp_path / "a.fmu", manner)
     one = run({"a": {"fmu": fmu, **ONE}}, [], 0.5)
     both = run({"a": {"fmu": fmu, **ONE}, "b": {"fmu": fmu, **ONE}}, [], 0.5)
     again = run({"a": {"fmu": fmu, **ONE}}, [], 0.5, coupling={"error_estimate": True})

@@ -54,6 +54,7 @@ def test_a_sound_unit_is_sound(tmp_path: Path, make: object, monkeypatch: pytest
         ("forks", "environment", "environment", "fault"),
         ("rounds", "environment", "environment", "fault"),
         ("shares", "determinism", "two instances", "fault"),
+        ("alone", "determinism", "two instances", "fault"),
         ("chance", "determinism", "determinism", "fault"),
         ("opens", "environment", "environment", "warning"),
     ],

@@ -16,10 +16,14 @@ static void say(Zoo *z, int status, const char *text)
     unit->host->logger(unit->host->componentEnvironment, z->name, (fmi2Status)status, "zoo", "%s", text);
 }
 
+static int living; /* instances of this library */
+
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
 {
     (void)type, (void)resources, (void)visible, (void)logging;
+    if (!strcmp(guid, "alone") && living) return NULL;
+    living++;
     Unit *unit = calloc(1, sizeof *unit);
     unit->host = functions;
     zoo_begin(&unit->zoo, name, guid);
@@ -27,7 +31,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     unit->zoo.say = say;
     return unit;
 }
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+void fmi2FreeInstance(fmi2Component c) { free(c), living--; }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean defined, fmi2Real tolerance, fmi2Real start, fmi2Boolean stops,
                                fmi2Real stop)
 {

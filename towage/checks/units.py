@@ -22,7 +22,10 @@ def before(start: Start) -> list[Finding]:
     return findings
 
 
-TOLD = ("end", "grid", "noise", "fallback", "late outputs", "start values", "reading", "bounds", "warnings", "messages")
+TOLD = (
+    "end", "grid", "noise", "fallback", "late outputs", "start values", "reading", "feedthrough", "bounds", "warnings",
+    "messages",
+)  # fmt: skip
 """Findings of the run that its summary repeats."""
 
 

@@ -28,6 +28,8 @@ FEWEST = 8
 """Steps with motion before a rate is judged."""
 MOVES = 1e-6
 """Share of the largest slope below which a signal stands still."""
+NUDGE = 1e-3
+"""Relative change of an input that shows what follows it."""
 OUTSIDE = 1e-9
 """Share of a bound by which rounding may pass it."""
 
@@ -73,6 +75,9 @@ class Watch:
         self._rated = [Rated(s) for s in system.signals if s.rated and s.source in foreign]
         self._bounds = list(_bounds(system))
         self._set()
+        for i in system.foreign:
+            if system.units[i].can_roll_back:
+                self._feedthrough(i)
 
     def before(self, time: float, step: float) -> None:
         """Look at the ends of the signals before they are accepted. Raises `Doubt` of a rate."""
@@ -134,6 +139,32 @@ class Watch:
                         f"{unit.name}.{name} was set to {value:g} and reads {there:g}: the unit does not take it",
                         "look in the documentation of the unit how it is set",
                     )  # fmt: skip
+
+    def _feedthrough(self, i: int) -> None:
+        """See at the start whether an output follows an input that it is not declared to follow; the unit goes back then."""
+        unit, declared = self.system.units[i], self.system.units[i].description.dependencies
+        for s in self.system.into[i]:
+            hidden = [n for n in unit.outputs if (d := declared.get(n)) is not None and s.input.name not in d]
+            if s.discrete or not hidden:
+                continue
+            first, slot = unit.values, s.input.slot
+            kept = unit.input_buffer[slot]
+            unit.save(0.0)
+            try:
+                unit.input_buffer[slot] = kept + NUDGE * (abs(kept) or 1.0)
+                unit.set(0.0)
+                second = unit.get(0.0)
+            except RunError:  # no place to go to
+                second = first
+            unit.input_buffer[slot], unit.values = kept, first
+            unit.restore(0.0)
+            if follow := [n for n in hidden if first[unit.slot[n]] != second[unit.slot[n]]]:
+                self._note(
+                    "feedthrough", unit.name, s.input.name, float(len(follow)),
+                    f"{unit.name}.{follow[0]} follows {s.input.name} without delay, and its description declares that it does "
+                    "not: loops through it are not seen, and what it sends is up to a step late",
+                    "vet the unit (towage vet), which lets runs take it as it is",
+                )  # fmt: skip
 
     def _note(self, kind: str, unit: str, name: str, value: float, message: str, remedy: str) -> None:
         self.system.found.setdefault((unit, f"{kind} {name}"), Finding(kind, "warning", value, None, message, remedy))

@@ -70,8 +70,11 @@ def determinism(bench: Bench) -> list[Trial]:
         found = [Trial("determinism", "warning" if gap < FIXED else "fault", f"two runs differ, most in {name}", gap)]
     if bench.description.once_per_process:
         return [*found, Trial("two instances", "note", "only one a process, as its description says")]
-    with bench.unit("one") as one, bench.unit("two") as two:
-        sides = [bench.run(one, 1, k) + bench.run(two, 1, k) for k in range(STEPS)]
+    try:
+        with bench.unit("one") as one, bench.unit("two") as two:
+            sides = [bench.run(one, 1, k) + bench.run(two, 1, k) for k in range(STEPS)]
+    except RunError as error:
+        return [*found, Trial("two instances", "fault", f"there is no second one beside the first: {error}")]
     gap, name = bench.worst([row[0] for row in sides if row], first)
     if gap > REPEATED:
         return [*found, Trial("two instances", "fault", f"disturb one another, most in {name}: run one a process", gap)]
@@ -190,4 +193,4 @@ def tried(name: str, path: Path) -> list[Trial]:
     try:
         return TRIALS[name](Bench(path))
     except RunError as error:
-        return [Trial(name, "fault" if name == "runs" else "warning", f"fails: {error}")]
+        return [Trial("runs" if name == "runs" else f"{name} trial", "fault" if name == "runs" else "warning", f"fails: {error}")]
