@@ -161,7 +161,14 @@ def test_names_that_differ_in_unicode_form_only(tmp_path: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 def test_duplicate_names(tmp_path: Path) -> None:
+    """With one content they are taken once, with a warning, as in the Roberts of the Reference-FMUs."""
     assert_refused(with_entry(tmp_path / "box.fmu", "resources/a", "resources/a"), "occurs twice")
+    path = with_entry(tmp_path / "sound.fmu", "resources/a", "resources/b", "resources/a")
+    with zipfile.ZipFile(path, "a") as fmu:
+        fmu.writestr("extra/", b"")
+        fmu.writestr("extra/", b"")
+    assert "resources/a twice, with the same content: taken once" in "".join(read_description(path).warnings)
+    assert "extra" not in "".join(read_description(path).warnings)
 
 
 @pytest.mark.parametrize(("mode", "says"), [(stat.S_IFLNK, "symbolic link"), (stat.S_IFIFO, "regular file")])

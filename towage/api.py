@@ -67,7 +67,8 @@ def _run(
     scene: Scene, fmus: str | Path | None, flavour: Flavour, timeout: float | None, isolate: bool, report: Report | None
 ) -> Result:
     resolved = resolve(scene, None if fmus is None else Path(fmus), flavour)
-    if not isolate and timeout is None:
+    alone = any(unit.description.once_per_process for unit in resolved.units.values())  # one a process
+    if not isolate and not alone and timeout is None:
         return run_resolved(resolved, report)
     from towage.process.worker import run_isolated
 

@@ -61,11 +61,11 @@ def build(path: Path, description: str | bytes | None = None, library: bytes | N
 
 
 def with_entry(path: Path, *entries: zipfile.ZipInfo | str) -> Path:
-    """A sound FMU to which entries of these names are added as they are."""
+    """A sound FMU to which entries of these names are added as they are, each with a content of its own."""
     build(path)
     with zipfile.ZipFile(path, "a") as fmu:
-        for entry in entries:
-            fmu.writestr(entry, b"x")
+        for k, entry in enumerate(entries):
+            fmu.writestr(entry, b"x" * (1 + k % 2))
     return path
 
 

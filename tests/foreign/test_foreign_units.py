@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from towage.errors import SceneError
+from towage.master.master import run_resolved
 from towage.process.worker import run_isolated
 from towage.result.result import Result
 from towage.scene.flavour import resolve
@@ -25,15 +26,21 @@ BACK_AND_FORTH = ["a.y -> b.u", "b.y -> a.u"]
 ON_SPRING = ["mass.position -> spring.end[0]", "spring.pull[0] -> mass.force"]
 
 
-def run(units: dict[str, dict[str, Any]], connections: list[str], **coupling: object) -> Result:
-    scene: dict[str, Any] = {
+def scene(units: dict[str, dict[str, Any]], connections: list[str], **coupling: object) -> Scene:
+    """A scene of these units."""
+    tables: dict[str, Any] = {
         "title": "Foreign units",
         "stop_time": STOP,
         "connections": connections,
         "units": units,
         "coupling": {"step": STEP, "error_estimate": False, **coupling},
     }
-    result = run_isolated(resolve(Scene.from_dict(scene)))
+    return Scene.from_dict(tables)
+
+
+def run(units: dict[str, dict[str, Any]], connections: list[str], **coupling: object) -> Result:
+    """The result of such a scene, which comes to its end."""
+    result = run_isolated(resolve(scene(units, connections, **coupling)))
     assert result.status == "done", result.message
     return result
 
@@ -113,12 +120,16 @@ def test_component_model_and_pythonfmu_together(hidden_mass: dict[bool, Path], c
 
 
 def test_a_unit_that_a_process_may_hold_once(tmp_path: Path) -> None:
+    """It has processes of its own, two in a scene and for the run with longer steps."""
     once = 'canBeInstantiatedOnlyOncePerProcess="true"'
     fmu = str(hostile(tmp_path / "once.fmu", options=once))
     other = str(hostile(tmp_path / "other.fmu"))
-    with pytest.raises(SceneError, match=r"units\.b\.fmu: once\.fmu can be instantiated only once"):
-        run({"a": {"fmu": fmu}, "b": {"fmu": fmu}}, BACK_AND_FORTH)
+    turning = {"gain": -1.0, "x0": 1.0}
+    once_twice = {"a": {"fmu": fmu, "parameters": turning}, "b": {"fmu": fmu}}
+    usual = run({"a": {"fmu": other, "parameters": turning}, "b": {"fmu": other}}, BACK_AND_FORTH, step=0.2)
+    assert run(once_twice, BACK_AND_FORTH, step=0.2)["a.y"].tolist() == usual["a.y"].tolist()
     units = {"a": {"fmu": fmu}, "b": {"fmu": other}}
-    with pytest.raises(SceneError, match=r"no second run to compare with: set coupling\.error_estimate = false"):
-        run(units, BACK_AND_FORTH, error_estimate=True)
-    assert run(units, BACK_AND_FORTH)["a.y"].tolist() == [0.0] * (round(STOP / STEP) + 1)
+    result = run(units, BACK_AND_FORTH, error_estimate=True, step=0.2)
+    assert result["a.y"].tolist() == [0.0] * 21
+    with pytest.raises(SceneError, match=r"units\.b\.fmu: once\.fmu can be instantiated only once in a process"):
+        run_resolved(resolve(scene(once_twice, BACK_AND_FORTH)))

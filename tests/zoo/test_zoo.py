@@ -196,15 +196,18 @@ def test_names_alone_are_no_conventions(tmp_path: Path) -> None:
         run(units, ["a.heading -> b.u"], checks={"report_only": ["a.margin_of_profit"]})
 
 
-def test_a_rate_whose_unit_of_measure_fits_is_converted_and_named(tmp_path: Path) -> None:
-    """heading' = u deg/s, and the rate is told as u deg/min: sixty times too little, which its unit of measure says."""
+@pytest.mark.parametrize("manner", ["per minute", "sound"])
+def test_a_rate_whose_unit_of_measure_fits_is_converted_and_named(tmp_path: Path, manner: str) -> None:
+    """heading' = u deg/s; the rate is told as 60 u deg/min, and by the sound unit, wrongly here, as u deg/min."""
     reals = {"y": ' unit="deg"', "rate": ' unit="deg/min"'}
     about = {"names": NAMES, "reals": reals, "extra": DEGREES}
-    units = {"a": {"fmu": animal(tmp_path / "a.fmu", **about), "inputs": {"u": 1.0}}, "b": animal(tmp_path / "b.fmu")}
-    result = run(units, ["a.heading -> b.u"])
-    assert told(result, "units") == "a: heading_rate [deg/min] is taken for the time derivative of heading"
-    # the interpolant ends with the slopes that it is told, so that an hermite step shows a wrong rate
-    assert result["b.y"][-1] == pytest.approx(2.0, rel=0.02)
+    fmu = animal(tmp_path / "a.fmu", manner, **about)
+    result = run({"a": {"fmu": fmu, "inputs": {"u": 1.0}}, "b": animal(tmp_path / "b.fmu")}, ["a.heading -> b.u"])
+    honest = manner == "per minute"
+    taken = "a: heading_rate [deg/min] is taken for the time derivative of heading"
+    assert told(result, "units") == (taken if honest else "")
+    assert ("what it tells as the rate of heading is not its time derivative" in told(result, "fallback")) != honest
+    assert result["b.y"] == pytest.approx(result.time**2 / 2.0, abs=1e-12)
 
 
 def test_derivatives_of_outputs_are_asked_for_after_a_step_alone(tmp_path: Path) -> None:

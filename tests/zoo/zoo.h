@@ -4,7 +4,9 @@
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <fenv.h>
+#include <locale.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,12 +22,13 @@ enum { Z_OK, Z_WARNING, Z_DISCARD, Z_ERROR, Z_FATAL };
 typedef struct Zoo Zoo;
 typedef void Say(Zoo *zoo, int status, const char *text);
 struct Zoo {
-    double real[REALS], x, time, first_step, pending;
+    double real[REALS], x, time, first_step, pending, slope, used, stop;
+    pthread_t maker;
     int integer_in, integer_out;
     bool boolean_in, initialising, stepped;
     char text_in[64], name[64];
     /* what a saved state lacks */
-    int repeats;
+    int repeats, reads;
     double hidden;
     char manner[64];
     Say *say;
@@ -39,7 +42,8 @@ static void zoo_begin(Zoo *z, const char *name, const char *manner)
     strncpy(z->name, name, sizeof z->name - 1);
     strncpy(z->manner, manner, sizeof z->manner - 1);
     z->real[GAIN] = 1.0;
-    z->real[END] = INFINITY;
+    z->real[END] = z->stop = INFINITY;
+    z->maker = pthread_self();
 }
 
 /* y' = gain u; w = gain u without delay; stairs: whole seconds. */
@@ -50,6 +54,9 @@ static void zoo_outputs(Zoo *z)
     z->real[W] = z->real[GAIN] * z->real[U];
     z->real[STAIRS] = floor(z->time + 1e-9);
     z->real[RATE] = z->real[GAIN] * z->real[U];
+    if (is(z, "restless")) z->real[Y] += 1e-3 * z->reads++; /* its outputs change by being read */
+    if (is(z, "nan") && z->time >= z->real[END]) z->real[Y] = NAN;
+    if (is(z, "per minute")) z->real[RATE] *= 60.0; /* its rates are in another unit than it says */
     z->integer_out = is(z, "counter") ? (int)floor(2.0 * z->time + 1e-9) : 2 * z->integer_in;
 }
 
@@ -73,12 +80,16 @@ static int zoo_step(Zoo *z, double time, double step, bool committed, bool *over
         z->say(z, Z_ERROR, "and so is everything else");
     }
     if (is(z, "talker") && time >= z->real[END]) return Z_ERROR;
+    if (is(z, "stop") && time + step > z->stop) return Z_ERROR; /* not by the last bit */
+    if (is(z, "pending")) return 5;
+    if (is(z, "mute") && time + step > z->real[END]) return Z_DISCARD;
     static double shared;
     if (is(z, "dies at once")) abort();
     if (is(z, "wanders")) (void)!chdir("/");
     if (is(z, "leaks")) memset(malloc(1000), 1, 1000);
     if (is(z, "forks") && z->repeats == 0 && fork() == 0) pause();
     if (is(z, "rounds")) fesetround(FE_UPWARD);
+    if (is(z, "commas")) setlocale(LC_NUMERIC, "C.UTF-8");
     if (is(z, "opens")) (void)!open("/dev/null", O_RDONLY);
     if (is(z, "shares")) z->x += shared, shared += 1.0;
     if (is(z, "chance")) z->x += 1e-3 * (double)(clock() % 1000);
@@ -86,9 +97,17 @@ static int zoo_step(Zoo *z, double time, double step, bool committed, bool *over
         z->say(z, Z_WARNING, "something is burning");
         abort();
     }
-    if (is(z, "ends") && time + step > z->real[END]) step = z->real[END] - time, *over = true;
+    if ((is(z, "ends") || is(z, "liar")) && time + step > z->real[END]) step = z->real[END] - time, *over = true;
     if (is(z, "commits") && !committed) return Z_OK;
-    const double moved = step * z->real[GAIN] * z->real[U];
+    double u = z->real[U];
+    if (is(z, "listens")) u += 0.5 * step * z->slope; /* derivatives of inputs; who is deaf takes them and does nothing */
+    if (is(z, "clips")) u = fmin(fmax(u, -1.0), 1.0);
+    if (is(z, "behind")) u = z->used; /* inputs act a step late */
+    if (is(z, "thread") && !pthread_equal(z->maker, pthread_self())) u = 0.0;
+    z->used = z->real[U];
+    if (is(z, "decays")) z->x -= step * z->x; /* explicit Euler: what comes out depends on the step */
+    const double did = is(z, "quantum") ? 0.04 * floor(step / 0.04 + 1e-9) : step; /* steps of its own, the rest is lost */
+    const double moved = did * z->real[GAIN] * u;
     z->x += moved + (is(z, "hidden") ? step * z->hidden : 0.0) + (is(z, "noisy") ? z->real[NOISE] * (z->repeats % 2) : 0.0);
     z->hidden += moved;
     z->repeats++;
@@ -96,6 +115,8 @@ static int zoo_step(Zoo *z, double time, double step, bool committed, bool *over
     z->stepped = false;
     zoo_outputs(z);
     z->stepped = true;
+    if (*over && is(z, "liar")) *reached = time + 10.0 * step;
+    if (is(z, "warns")) return Z_WARNING;
     return *over ? Z_DISCARD : Z_OK;
 }
 
@@ -105,6 +126,7 @@ static void zoo_restore(Zoo *z, const Zoo *saved)
     const Zoo now = *z;
     *z = *saved;
     z->repeats = now.repeats;
+    z->reads = now.reads;
     z->hidden = now.hidden;
     if (is(z, "flushes")) z->x = now.x; /* it takes the flag of the last step for leave to forget */
 }

@@ -77,15 +77,16 @@ def description(
     depends: Mapping[str, str] | None = None,
     extra: str = "",
     experiment: str = "",
+    more: Mapping[str, tuple[int, str, str]] | None = None,
 ) -> str:
     """A model description of FMI 2.0. ``names`` renames variables, ``reals`` are attributes of the type of u, y and rate;
-    ``declared``: dependencies are."""
+    ``declared``: dependencies are; ``more``: further variables."""
     words = {"u": "", "y": "", "w": "", "rate": "", **(reals or {})}
     renamed = names or {}
     variables = "\n".join(
         f'<ScalarVariable name="{renamed.get(name, name)}" valueReference="{reference}" {what}>{kind.format(**words)}'
         "</ScalarVariable>"
-        for name, (reference, what, kind) in VARIABLES.items()
+        for name, (reference, what, kind) in {**VARIABLES, **(more or {})}.items()
     )
     outputs = "".join(
         f'<Unknown index="{[*VARIABLES].index(name) + 1}"' + (f' dependencies="{on}"/>' if declared else "/>")

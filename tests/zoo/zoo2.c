@@ -16,10 +16,14 @@ static void say(Zoo *z, int status, const char *text)
     unit->host->logger(unit->host->componentEnvironment, z->name, (fmi2Status)status, "zoo", "%s", text);
 }
 
+static int living; /* instances of this library */
+
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
 {
     (void)type, (void)resources, (void)visible, (void)logging;
+    if (!strcmp(guid, "alone") && living) return NULL;
+    living++;
     Unit *unit = calloc(1, sizeof *unit);
     unit->host = functions;
     zoo_begin(&unit->zoo, name, guid);
@@ -27,12 +31,12 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     unit->zoo.say = say;
     return unit;
 }
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+void fmi2FreeInstance(fmi2Component c) { free(c), living--; }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean defined, fmi2Real tolerance, fmi2Real start, fmi2Boolean stops,
                                fmi2Real stop)
 {
-    (void)stops, (void)stop;
     Zoo *z = c;
+    z->stop = stops ? stop : INFINITY;
     z->time = start;
     z->real[TOLERANCE] = defined ? tolerance : -1.0;
     if (is(z, "forgets")) z->real[GAIN] = 1.0, z->real[X0] = 0.0; /* what was set before the experiment, as 20-sim's do */
@@ -51,7 +55,9 @@ fmi2Status fmi2Reset(fmi2Component c) { (void)c; return fmi2OK; }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[])
 {
-    for (size_t i = 0; i < n; i++) ((Zoo *)c)->real[vr[i]] = value[i];
+    Zoo *z = c;
+    for (size_t i = 0; i < n; i++)
+        if (!(is(z, "ignores") && vr[i] == GAIN)) z->real[vr[i]] = value[i];
     return fmi2OK;
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[])
@@ -72,7 +78,7 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 {
     (void)vr;
     zoo_outputs(c);
-    if (n) value[0] = ((Zoo *)c)->integer_out;
+    for (size_t i = 0; i < n; i++) value[i] = ((Zoo *)c)->integer_out;
     return fmi2OK;
 }
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[])
@@ -84,7 +90,8 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean value[])
 {
     (void)vr;
-    if (n) value[0] = !((Zoo *)c)->boolean_in;
+    Zoo *z = c;
+    if (n) value[0] = z->boolean_in ? 0 : is(z, "truthy") ? -1 : 1;
     return fmi2OK;
 }
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[])
@@ -108,6 +115,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
 }
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
 {
+    if (is(c, "mute")) return fmi2Error;
     *value = kind == fmi2Terminated && ((Unit *)c)->over;
     return kind == fmi2Terminated ? fmi2OK : fmi2Error;
 }
@@ -122,7 +130,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     const Zoo *z = c;
     (void)vr, (void)order;
     for (size_t i = 0; i < n; i++) value[i] = z->stepped ? z->real[RATE] : INFINITY;
-    return fmi2OK;
+    return is(z, "no rates") ? fmi2Error : fmi2OK;
 }
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
@@ -132,19 +140,41 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 }
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) { zoo_restore(c, state); return fmi2OK; }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c; free(*state); *state = NULL; return fmi2OK; }
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                       const fmi2Real value[])
+{
+    (void)vr;
+    if (n && order[0] == 1) ((Zoo *)c)->slope = value[0];
+    return fmi2OK;
+}
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
+{
+    (void)c, (void)state;
+    *size = sizeof(Zoo);
+    return fmi2OK;
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+{
+    memcpy(bytes, state, size);
+    if (is(c, "forgetful")) ((Zoo *)bytes)->x = 0.0; /* what is written down lacks a state */
+    return fmi2OK;
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+{
+    const Zoo now = *(Zoo *)c;
+    Zoo *z = *state = malloc(size);
+    memcpy(z, bytes, size);
+    z->say = now.say, z->host = now.host; /* of this process */
+    return fmi2OK;
+}
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 
 /* The standard wants every function exported. */
 #define ABSENT(name, ...) fmi2Status fmi2##name(__VA_ARGS__) { return fmi2Error; }
 ABSENT(SetDebugLogging, fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[])
-ABSENT(SetRealInputDerivatives, fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-       const fmi2Real value[])
 ABSENT(GetDirectionalDerivative, fmi2Component c, const fmi2ValueReference unknown[], size_t n,
        const fmi2ValueReference known[], size_t m, const fmi2Real seed[], fmi2Real value[])
-ABSENT(SerializedFMUstateSize, fmi2Component c, fmi2FMUstate state, size_t *size)
-ABSENT(SerializeFMUstate, fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
-ABSENT(DeSerializeFMUstate, fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 ABSENT(CancelStep, fmi2Component c)
 ABSENT(GetStatus, fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
 ABSENT(GetIntegerStatus, fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)

@@ -14,7 +14,7 @@ typedef struct {
     uint64_t wide;
     uint8_t bytes[64];
     size_t size;
-    bool events, in_event;
+    bool events, in_event, seen;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
 } Unit;
@@ -37,7 +37,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     zoo_begin(&unit->zoo, name, token);
     unit->zoo.host = unit;
     unit->zoo.say = say;
-    unit->next_event = is(&unit->zoo, "clockwork") || is(&unit->zoo, "surprise") ? 0.55 : INFINITY;
+    unit->next_event = is(&unit->zoo, "clockwork") || is(&unit->zoo, "surprise") || is(&unit->zoo, "forgets") ? 0.55 : INFINITY;
     return unit;
 }
 void fmi3FreeInstance(fmi3Instance c) { free(c); }
@@ -72,7 +72,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *more, fmi3Boole
         unit->next_event = INFINITY;
         *more = true;
     }
-    *defined = isfinite(unit->next_event) && !is(&unit->zoo, "surprise");
+    *defined = isfinite(unit->next_event) && is(&unit->zoo, "clockwork");
     *next = unit->next_event;
     return fmi3OK;
 }
@@ -168,10 +168,11 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Bo
     if (unit->in_event) return fmi3Error;
     if (unit->events && time + step > unit->next_event + 1e-12) {
         step = unit->next_event - time;
-        *early = *event = true;
+        *early = *event = unit->seen = true;
     } else if (unit->events && time + step >= unit->next_event - 1e-12)
         *event = true;
     const int status = zoo_step(&unit->zoo, time, step, never_before, over, reached);
+    if (is(&unit->zoo, "astray")) *reached = time + 0.5 * step; /* a whole step, as it says, but not to there */
     return *over ? fmi3OK : (fmi3Status)status;
 }
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Int32 order[],
@@ -191,8 +192,11 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
 {
     Unit *unit = c;
     const Zoo zoo = unit->zoo;
+    const bool seen = unit->seen;
     *unit = *(Unit *)state;
     unit->zoo = zoo;
+    unit->seen = seen;
+    if (is(&zoo, "forgets") && seen) unit->next_event = 1e300; /* that an event is due is no part of its state */
     zoo_restore(&unit->zoo, state);
     return fmi3OK;
 }

@@ -1,7 +1,8 @@
 """The coupling error: the run against one with doubled step (tenfold tolerance), at the solver's own points.
 
 The estimate is the largest difference relative to the variable's largest value, over 2^p - 1 where the step is fixed and the
-scheme of order p (Richardson), for every recorded variable but margins, whether it feeds a connection or not.
+scheme of order p (Richardson; p = 1 where a unit of another make takes part, whose order nobody knows), for every recorded
+variable but margins, whether it feeds a connection or not.
 
 The word takes another measure, that of the comparisons it guards: the rms of the estimated error over the standard deviation
 of the signal, from the settling time of the SDOF check on, for the signals that the checks judge; without such a check for all

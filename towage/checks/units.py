@@ -24,7 +24,10 @@ def before(start: Start) -> list[Finding]:
     return findings
 
 
-TOLD = ("end", "grid", "noise", "late outputs", "messages")
+TOLD = (
+    "end", "grid", "noise", "fallback", "late outputs", "start values", "reading", "feedthrough", "bounds", "warnings",
+    "messages",
+)  # fmt: skip
 """Findings of the run that its summary repeats."""
 MOST = 5
 """Warnings about a system of another format that the summary repeats."""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 
 from towage.checks.check import Check, Finished, checks_of
@@ -24,14 +25,14 @@ from towage.master.said import after, listen, messages
 from towage.master.simulation import Run, Settings, Simulation, simulate
 from towage.master.stages import Report, Stages
 from towage.master.system import System
-from towage.master.trust import NotRepeatable
 from towage.result.journal import Journal, Kept
 from towage.result.records import Finding, Item
 from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.resolve import ResolvedScene
+from towage.scene.resolve import ResolvedScene, check_instances
 from towage.scene.scene import Scene
 from towage.scene.select import one_case
+from towage.units.doubt import Doubt, Doubts, without
 from towage.units.fmu import Unit, UnitFactory
 
 Array = NDArray[np.float64]
@@ -80,12 +81,14 @@ def run_resolved(
     Raises `SceneError` for a scene that the checks before the run refuse. A run that fails on its way comes back as a
     result with status "failed" and what was recorded until then.
     """
-    distrusted: dict[str, str] = {}
+    if make_unit is Unit:
+        check_instances(resolved)
+    doubts: Doubts = {}
     while True:
         try:
-            return _run_once(resolved, report, journal, make_unit, distrusted, resume and not distrusted)
-        except NotRepeatable as fault:  # begin again, without going back
-            distrusted[fault.unit] = fault.why
+            return _run_once(_without(resolved, doubts), report, journal, make_unit, doubts, resume and not doubts)
+        except Doubt as doubt:  # begin again, without what that unit does not do
+            doubts[doubt.unit, doubt.what] = doubt.why
 
 
 def _run_once(
@@ -93,11 +96,11 @@ def _run_once(
     report: Report | None,
     journal: Path | None,
     make_unit: UnitFactory,
-    distrusted: Mapping[str, str],
+    doubts: Doubts,
     resume: bool,
 ) -> Result:
-    """As `run_resolved`, where ``distrusted`` units do not go back. Raises `NotRepeatable` where ``auto`` may choose again."""
-    system = started(resolved, make_unit, None, distrusted)
+    """As `run_resolved`, with these ``doubts`` heeded. Raises `Doubt` where ``auto`` may choose again."""
+    system = started(resolved, make_unit, None, doubts)
     try:
         planned = plan(resolved, system)
         refuse(planned.findings, resolved)
@@ -106,14 +109,28 @@ def _run_once(
         result = begun(resolved, settings.scheme.name, planned.findings)
         columns, track, settings = _coupled_run(resolved, system, settings, result, stages, journal, resume)
         if result.status == "done":
-            order = settings.scheme.order if settings.step else 0
-            others = OtherRuns(resolved, settings, stages, make_unit, distrusted)
+            known = 1 if system.foreign else settings.scheme.order  # nobody knows the order of what others solve inside
+            order = known if settings.step else 0
+            others = OtherRuns(resolved, settings, stages, make_unit, doubts)
             times = comparison_times(settings.stop_time, settings.step, len(track.time))
             _judge(Finished(resolved, system, order, result, columns, others.columns, settings.step, times, track, others.track))
             stages.done()
         return result
     finally:
         system.close()
+
+
+def _without(resolved: ResolvedScene, doubts: Doubts) -> ResolvedScene:
+    """The scene, and the other runs that its checks ask for, with units of which nothing is asked that they do not do."""
+
+    if not doubts:
+        return resolved
+    units = {
+        name: structs.replace(entry, description=without(entry.description, [what for unit, what in doubts if unit == name]))
+        for name, entry in resolved.units.items()
+    }
+    variants = tuple(structs.replace(v, scene=v.scene and _without(v.scene, doubts)) for v in resolved.variants)
+    return structs.replace(resolved, units=units, variants=variants)
 
 
 def check_resolved(resolved: ResolvedScene, make_unit: UnitFactory = Unit) -> list[Finding]:
@@ -136,7 +153,7 @@ def _coupled_run(
 ) -> tuple[Columns, Track, Settings]:
     """Every observed output of the coupled run, as recorded and at all communication points, and the settings with the time
     that the run reached; what is recorded, events, counts and what the units said go to the result, which is a failed one where
-    the run fails. Raises `NotRepeatable` where ``auto`` may choose again."""
+    the run fails. Raises `Doubt` where ``auto`` may choose again."""
     keep(result, resolved, {})
     keeper = Keeper(journal) if journal else None
     found = keeper.found() if keeper and resume else None
@@ -154,8 +171,8 @@ def _coupled_run(
     try:
         report = stages.progress(MAIN, settings.stop_time)
         run = simulate(system, settings, recorder, report, begin_at, keeper.look if keeper else None)
-    except NotRepeatable as fault:
-        if resolved.scene.coupling.scheme == "auto" and settings.tolerance is None:
+    except Doubt as fault:
+        if resolved.scene.coupling.scheme == "auto" and (settings.tolerance is None or fault.what != "state"):
             raise
         fail(result, str(fault))
         run = getattr(fault, "run", Run())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,6 +18,7 @@ from towage.master.simulation import Settings, simulate
 from towage.master.stages import Stages
 from towage.master.system import SAME_STEP
 from towage.scene.resolve import ResolvedScene, ResolvedVariant
+from towage.units.doubt import Doubts
 from towage.units.fmu import UnitFactory
 
 Array = NDArray[np.float64]
@@ -47,13 +47,13 @@ class OtherRuns:
         settings: Settings,
         stages: Stages,
         make_unit: UnitFactory,
-        distrusted: Mapping[str, str],
+        doubts: Doubts,
     ) -> None:
         self._resolved = resolved
         self._settings = settings
         self._stages = stages
         self._make_unit = make_unit
-        self._distrusted = distrusted
+        self._doubts = doubts
         self._variants = {variant.name: variant for variant in resolved.variants}
         self._known: list[tuple[ResolvedScene, bool, OtherRun | RunError]] = []
 
@@ -78,7 +78,7 @@ class OtherRuns:
 
     def _run(self, name: str, scene: ResolvedScene, settings: Settings) -> OtherRun | RunError:
         try:
-            system = started(scene, self._make_unit, self._resolved, self._distrusted)
+            system = started(scene, self._make_unit, self._resolved, self._doubts)
             try:
                 recorder = recorder_of(system, settings)
                 run = simulate(system, settings, recorder, self._stages.progress(name, settings.stop_time))

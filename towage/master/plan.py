@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-from collections.abc import Mapping
 from time import process_time
 from typing import Literal, NamedTuple
 
@@ -19,6 +18,7 @@ from towage.registry import SCHEMES
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene
+from towage.units.doubt import Doubts, said
 from towage.units.fmu import UnitFactory
 from towage.units.store import cache
 from towage.units.vetted import stays
@@ -41,17 +41,19 @@ def started(
     resolved: ResolvedScene,
     make_unit: UnitFactory,
     main: ResolvedScene | None = None,
-    distrusted: Mapping[str, str] | None = None,
+    doubts: Doubts | None = None,
 ) -> System:
     """The units of a scene, initialised, coupled as ``main`` (default: the same). Branches are frozen over a step where
-    the master looks after events. ``distrusted``: units that are not to go back, and why. Raises `RunError` and `FmuError`;
+    the master looks after events. ``doubts``: what units were found not to do. Raises `RunError` and `FmuError`;
     the caller closes the system."""
     scene = (main or resolved).scene
     held = scene.coupling.scheme != "auto" and SCHEMES.get(scene.coupling.scheme).holds
     freeze = scene.coupling.events and not held and not on_grid(resolved)
-    distrusted = {**_vetted(resolved), **(distrusted or {})}
+    stuck = {unit: why for (unit, what), why in (doubts or {}).items() if what == "state"}
+    distrusted = _vetted(resolved) | stuck
     begin = process_time()
     system = System(resolved, cache() / "unpacked", freeze, held, make_unit, distrusted)
+    system.doubts = dict(doubts or {})
     try:
         system.start(0.0, scene.stop_time, scene.coupling.tolerance)
         system.start_cpu = process_time() - begin
@@ -75,9 +77,11 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
         scheme, why = choose(system, interface_loops, step or 0.0)
         level: Literal["info", "warning"] = "warning" if system.distrusted else "info"
         findings.append(Finding("scheme", level, None, None, f"auto: {scheme.name}, because {why}"))
+        fallbacks: Doubts = {(unit, "state"): why for unit, why in system.distrusted.items()} | system.doubts
+        findings += [Finding("fallback", "warning", None, None, said(unit, why, what)) for (unit, what), why in fallbacks.items()]
     else:
         scheme = SCHEMES.get(coupling.scheme)
-    if refusal := _refusal(scheme, step, system):
+    if refusal := _refusal(scheme, step, system, coupling.scheme == "auto"):
         key, message = refusal
         raise scene.error(message, f"coupling.{key}")
     max_step = step or min(stop / FEWEST_STEPS, largest_step(interface_loops, scheme))
@@ -161,9 +165,10 @@ def _of_grid(grid: tuple[str, ...], step: float, scene: Scene) -> list[Finding]:
     return [Finding("grid", level, step, None, message)]
 
 
-def _refusal(scheme: Scheme, step: float | None, system: System) -> tuple[str, str] | None:
-    """(key, message) where the units cannot do what the scheme or the error control needs."""
-    if scheme.goes_back and not system.can_roll_back:
+def _refusal(scheme: Scheme, step: float | None, system: System, auto: bool) -> tuple[str, str] | None:
+    """(key, message) where the units cannot do what the scheme or the error control needs; what ``auto`` took does without those
+    that do not go back."""
+    if scheme.goes_back and not system.can_roll_back and not (auto and system.repeated):
         stuck = ", ".join(unit.name for unit in system.units if not unit.can_roll_back)
         needs = f"{scheme.name} needs units that save and restore their state"
         return "scheme", f"{needs}, {stuck} cannot: use 'extrapolate'"

@@ -31,7 +31,7 @@ def messages(system: System) -> list[Message]:
 def after(system: System, settings: Settings, run: Run) -> list[Finding]:
     """The findings, whether the run came to its end or failed."""
     findings = []
-    if run.ended_by:
+    if run.ended_by and run.time < settings.stop_time:
         message = f"{run.ended_by}: the unit ended the run at t = {run.time:.9g} s, before {settings.stop_time:g} s"
         findings.append(Finding("end", "info", run.time, settings.stop_time, message))
     for name, noise in system.noise.items():
@@ -44,8 +44,16 @@ def after(system: System, settings: Settings, run: Run) -> list[Finding]:
         )
         remedy = "take a shorter step, or connect the output; `towage vet` tells whether they depend"
         findings.append(Finding("late outputs", "warning", None, None, message, remedy))
+    findings += system.found.values()
     for unit in system.units:
         log = unit.instance.log
+        if log.warnings:
+            about = (m.text for m in log.messages if m.status == STATUS[1] and m.time == log.warned_at)
+            first = f": {text}" if (text := next(about, "")) else ""
+            at = "at the start" if log.warned_at is None else f"at t = {log.warned_at:.9g} s"
+            message = f"{log.warnings} calls of {unit.name} ended with a warning, first {at}{first}"
+            remedy = "something may be wrong, as the standard has it: read the log, or ask the maker of the unit"
+            findings.append(Finding("warnings", "warning", float(log.warnings), None, message, remedy))
         grave = [message for message in log.messages if message.status in GRAVE]
         if grave:
             more = f", {log.lost} more were not kept" if log.lost else ""

@@ -188,10 +188,10 @@ def _set_ends(system: System, values: Any) -> None:
 
 
 def _correct(system: System, time: float, step: float) -> None:
-    """Step the looped units again, with both ends of every input known."""
-    if system.looped:
-        system.restore(system.looped)
-    for i in system.looped:
+    """Step the looped units that go back again, with both ends of every input known."""
+    if system.repeated:
+        system.restore(system.repeated)
+    for i in system.repeated:
         for s in system.into[i]:
             system.interpolate(s, step)
         system.advance(i, time, step)

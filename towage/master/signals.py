@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -84,16 +84,16 @@ def wanted(unit: ResolvedUnit, scene: ResolvedScene, held: bool) -> Wanted:
     return Wanted(connected, sources, list(dict.fromkeys(names)), cubic=not held)
 
 
-def evaluation_order(into: Sequence[Sequence[Signal]]) -> list[int]:
+def evaluation_order(into: Sequence[Sequence[Signal]], stuck: Collection[int] = ()) -> list[int]:
     """Units in the order of evaluation: after every unit whose output goes straight through them. ``into``: the signals into
-    each unit."""
+    each unit. Those that are ``stuck``, which make a step once, come late: what they are given is then found already."""
     hard = {i: {s.source for s in signals if s.input.feedthrough} for i, signals in enumerate(into)}
     order: list[int] = []
     left = list(range(len(into)))
     while left:
         missing = {i: len({s.source for s in into[i]} & set(left)) for i in left}
         free = [i for i in left if not hard[i] & set(left)] or left
-        order.append(min(free, key=lambda i: (missing[i], i)))
+        order.append(min(free, key=lambda i: (i in stuck, missing[i], i)))
         left.remove(order[-1])
     return order
 

@@ -18,10 +18,12 @@ from dataclasses import dataclass, field
 from towage.errors import RunError
 from towage.master.bonds import BondEnergy, accounts
 from towage.master.events import crossing, happened, indications, locate
+from towage.master.points import changed, look_after
 from towage.master.recorder import Recorder
 from towage.master.schemes import Scheme
 from towage.master.system import System
 from towage.master.trust import allowed, repeat
+from towage.master.watch import Watch
 from towage.result.result import Event
 from towage.units.fmu import StepRefused
 
@@ -114,6 +116,7 @@ class Simulation:
     def __init__(self, system: System, settings: Settings, recorder: Recorder) -> None:
         self.system = system
         self.recorder = recorder
+        self.watch = Watch(system) if system.foreign else None
         self.cares, self.texts = bool(system.foreign or system.discrete or system.texts), bool(recorder.texts)
         self.run = Run(bonds=accounts(system))
         system.now = lambda: self.run.time
@@ -127,6 +130,7 @@ class Simulation:
         self.searches = searches and can_roll_back and bool(system.indicators)
         self.clocks = not scheme.holds and bool(system.clocks or system.eventful)
         self.keeps = can_roll_back and (self.searches or self.tolerance is not None or scheme.goes_back)
+        self.saves = self.keeps or (scheme.goes_back and bool(system.repeated))
         self.grid = settings.step if settings.step is not None else settings.max_step
         self.control = self.max_step if self.tolerance is None else min(self.max_step, 1e-3 * self.stop)
         self.time, self.done = 0.0, 0
@@ -159,10 +163,10 @@ class Simulation:
         system, time = self.system, self.time
         target, announced = self.target()
         step = target - time
-        if self.keeps:
+        if self.saves:
             system.save(time)
         estimate, step = self.attempt(time, step)
-        if self.keeps and len(self.run.steps).bit_count() < 2:  # steps 0, 1, 2, 4, 8, ...
+        if self.saves and len(self.run.steps).bit_count() < 2:  # steps 0, 1, 2, 4, 8, ...
             repeat(system, time, step, self.limit)
         if self.tolerance is not None and not self.accepts(estimate, step):
             system.restore()
@@ -260,23 +264,27 @@ class Simulation:
         system, run = self.system, self.run
         for bond in run.bonds:
             bond.add(step)
+        if self.watch:
+            self.watch.before(end, step)
         system.accept(step)
         run.time = end
         if self.cares:
-            system.look_after(end)
+            look_after(system, end)
         left = [unit.values for unit in system.units]
         event = crossed or end >= announced
         if event:
             for one in happened(system, end, self.before, announced if end >= announced else None):
                 run.events.append(one)
                 self.recorder.event(one)
-        if (self.cares and system.changed(end)) or event:
+        if (self.cares and changed(system, end)) or event:
             self.recorder.row(end, left)  # the limits from the left
             system.refresh(end)
         if self.searches:
             self.before = indications(system)
         self.time = end
         run.steps.append(step)
+        if self.watch:
+            self.watch.after(end, len(run.steps).bit_count() < 2)
         if self.cares and (enders := [name for name, at in system.endings if abs(at - end) <= MERGE * step]):
             run.ended_by, self.stop = enders[0], end
         if self.tolerance is None and end >= (self.done + 1) * self.grid - MERGE * self.grid:

@@ -12,18 +12,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from towage.master.initial import initialise
 from towage.master.signals import Signal, TextSignal, evaluation_order, looped, signal, wanted
-from towage.scene.resolve import ResolvedScene
+from towage.result.records import Finding
+from towage.scene.resolve import ResolvedScene, ResolvedUnit
 from towage.units.archive import unpacked
 from towage.units.conventions import CLOCK, FREEZE, has, indicators
+from towage.units.copies import own_library
+from towage.units.doubt import Doubts
 from towage.units.fmu import Unit, UnitFactory
 
 ROUNDING = 1e-12
 """Share of a signal's largest value by which rounding may change it."""
+OURS = ("python", "native")
+"""Flavours of towage's own units."""
 SAME_STEP = 1e-6
 """Relative difference below which two step lengths are one: k h is not exactly the time."""
 
@@ -47,8 +53,10 @@ class System:
     ) -> None:
         self.scene = scene
         self.distrusted = dict(distrusted or {})
+        self.doubts: Doubts = {}
         self.now: Callable[[], float | None] = lambda: None
         self.noise: dict[str, float] = {}
+        self.found: dict[tuple[str, str], Finding] = {}
         self.scales: dict[int, list[float]] = {}
         self.floor = 0.0
         self.late_units: set[str] = set()
@@ -60,20 +68,26 @@ class System:
         self.saved_at = math.nan
         self.learned_now: list[tuple[Any, Any]] = []
         self.learned_step = 0.0
+        self._libraries = ExitStack()
         try:
             for resolved in scene.units.values():
-                directory = unpacked(resolved.path, extracted)
-                unit = make(resolved.name, resolved.description, directory, wanted(resolved, scene, held))
-                self.units.append(unit)
-                unit.can_roll_back = unit.can_roll_back and unit.name not in self.distrusted
-                unit.instance.log.follow(lambda: self.now())
-                unit.endings = self.endings
+                self._make(resolved, make, extracted, held)
         except BaseException:
             self.close()
             raise
         number = {unit.name: i for i, unit in enumerate(self.units)}
         self._wire(number)
         self._known(held)
+
+    def _make(self, resolved: ResolvedUnit, make: UnitFactory, extracted: Path, held: bool) -> None:
+        directory = unpacked(resolved.path, extracted)
+        if resolved.flavour not in OURS:
+            directory = self._libraries.enter_context(own_library(directory))
+        unit = make(resolved.name, resolved.description, directory, wanted(resolved, self.scene, held))
+        self.units.append(unit)
+        unit.can_roll_back = unit.can_roll_back and unit.name not in self.distrusted
+        unit.instance.log.follow(lambda: self.now())
+        unit.endings = self.endings
 
     def _wire(self, number: Mapping[str, int]) -> None:
         """The signals between units, whose places are in ``number``, and the order of evaluation."""
@@ -92,18 +106,19 @@ class System:
         self.unknown = [s for s in self.signals if s.unknown]
         self.into: list[list[Signal]] = [[s for s in self.signals if s.target == i] for i in range(len(self.units))]
         self.out: list[list[Signal]] = [[s for s in self.signals if s.source == i] for i in range(len(self.units))]
-        self.order = evaluation_order(self.into)
+        stuck = {i for i, unit in enumerate(self.units) if not unit.can_roll_back}
+        self.order = evaluation_order(self.into, stuck)
         place = {unit: k for k, unit in enumerate(self.order)}
         for s in self.signals:
             s.backward = place[s.source] >= place[s.target]
         self.backward = [s for s in self.signals if s.backward]
         self.looped = looped(self.order, self.backward, self.into)
+        self.repeated = [i for i in self.looped if i not in stuck]
 
     def _known(self, held: bool) -> None:
         """What the master has to look after in these units."""
         scene = self.scene
-        ours = ("python", "native")
-        self.foreign = [i for i, unit in enumerate(self.units) if scene.units[unit.name].flavour not in ours]
+        self.foreign = [i for i, unit in enumerate(self.units) if scene.units[unit.name].flavour not in OURS]
         self.eventful = [i for i, unit in enumerate(self.units) if unit.description.event_mode]
         late = {s.target for s in self.signals if s.input.late and not s.input.orders}
         self.late = [] if held else sorted(late)
@@ -145,42 +160,6 @@ class System:
         self.old_step = 0.0
         self.learned_now.clear()
 
-    def settle(self, time: float) -> None:
-        """Read units again with the ends of the inputs that were held at their mean over the step: what goes straight
-        through to an output that is only recorded is right at the communication point."""
-        for i in self.late:
-            unit, moved = self.units[i], False
-            before = unit.values
-            for s in self.into[i]:
-                if not s.input.orders:
-                    moved = moved or abs(unit.input_buffer[s.input.slot] - s.value) > ROUNDING * s.scale
-                    unit.input_buffer[s.input.slot] = s.value
-            unit.set(time)
-            unit.get(time)
-            self.read(i)
-            if moved and unit.values == before:
-                self.late_units.add(unit.name)
-
-    def look_after(self, time: float) -> None:
-        """What units of other makes need at a communication point: `settle`, and texts, which are held over a step, passed on."""
-        if self.late:
-            self.settle(time)
-        self.pass_texts()
-
-    def changed(self, time: float) -> bool:
-        """Whether a discrete signal changed over the step that was accepted last, or a unit has handled events."""
-        return self._handle_events(time) or any(s.value != s.old_value for s in self.discrete)
-
-    def _handle_events(self, time: float) -> bool:
-        """Have units with event mode handle what is due at the communication point; whether anything was."""
-        handled = [i for i in self.eventful if self.units[i].instance.handle_events()]
-        for i in handled:
-            self.units[i].get(time)
-            self.read(i)
-            for s in self.out[i]:
-                s.value, s.rate = s.end_value, s.end_rate
-        return bool(handled)
-
     def pass_texts(self) -> None:
         """Pass texts on, which are held between communication points."""
         for text in self.texts:
@@ -210,10 +189,11 @@ class System:
         self.old_step = step
 
     def save(self, time: float) -> None:
-        """Save the state of every unit."""
+        """Save the state of every unit that goes back."""
         self.saved_at = time
         for unit in self.units:
-            unit.save(time)
+            if unit.can_roll_back:
+                unit.save(time)
 
     def restore(self, units: Sequence[int] | None = None) -> None:
         """Restore the saved state of some units (default: all)."""
@@ -229,6 +209,7 @@ class System:
         """Free all units."""
         for unit in self.units:
             unit.close()
+        self._libraries.close()
 
     # ---- signals ----------------------------------------------------------------------------------------------------
 

@@ -11,10 +11,10 @@ themselves too: a unit that answers OK without stepping, and one that ignores it
 
 from __future__ import annotations
 
-from towage.errors import RunError
 from towage.master.system import System
 from towage.units.description import Variable
-from towage.units.fmu import StepRefused
+from towage.units.doubt import Doubt
+from towage.units.fmu import StepRefused, Unit
 
 REPEATED = 1e-9
 """Relative difference between a step and its repetition that is rounding: sums may be formed in another order."""
@@ -25,33 +25,21 @@ SHARE = 0.1
 REMEDY = "Take scheme 'extrapolate' with events = false, which never goes back"
 
 
-class NotRepeatable(RunError):
-    """A unit that does not restore its state, or not well enough for the run; ``why`` in words."""
-
-    def __init__(self, message: str, why: str, unit: str, variable: str, time: float) -> None:
-        super().__init__(message, unit=unit, variable=variable, time=time)
-        self.why = why
-
-
 def allowed(tolerance: float | None) -> float:
     """The noise that a run bears, relative; ``tolerance`` is that of the error control, None for a fixed step."""
     return FIXED if tolerance is None else SHARE * tolerance
 
 
 def repeat(system: System, time: float, step: float, limit: float) -> None:
-    """Step every foreign unit again, from its saved state at ``time`` with the same inputs, and note its noise. Raises
-    `NotRepeatable` if it ends elsewhere by more than ``limit``, relative to the largest value of an output."""
+    """Step every foreign unit that goes back again, from its saved state at ``time`` with the same inputs, and note its noise.
+    Raises `Doubt` if it ends elsewhere by more than ``limit``, relative to the largest value of an output, or if it does not
+    heed the derivatives of its inputs."""
     for i in system.foreign:
         unit = system.units[i]
+        if not unit.can_roll_back:
+            continue
         first = unit.values
-        unit.restore(time)
-        try:
-            unit.advance(time, step)
-        except StepRefused as refusal:
-            raise NotRepeatable(
-                f"refuses a step that it did before its state was restored ({refusal}). {REMEDY}",
-                "refuses a step that it did before its state was restored", unit.name, "", time,
-            ) from None  # fmt: skip
+        _again(unit, time, step)
         scales = system.scales.setdefault(i, [_nominal(unit.variables, name) for name in unit.outputs])
         for k, (name, a, b) in enumerate(zip(unit.outputs, first, unit.values)):
             scales[k] = max(scales[k], abs(a), abs(b))
@@ -59,14 +47,54 @@ def repeat(system: System, time: float, step: float, limit: float) -> None:
             if noise > REPEATED:
                 system.noise[unit.name] = max(noise, system.noise.get(unit.name, 0.0))
             if noise > limit:
-                raise NotRepeatable(
+                raise Doubt(
                     f"does not restore its state, though its description says that it can: {name} is {a!r} after a step "
                     f"of {step:g} s and {b!r} after the same step repeated, more than the {limit:g} of its size that this run "
-                    f"bears. {REMEDY}",
+                    f"bears. {REMEDY}", "state",
                     f"does not restore its state well enough ({name} differs by {noise:.2g} of its size after a step repeated "
                     f"at t = {time:g} s, this run bears {limit:g})",
                     unit.name, name, time,
                 )  # fmt: skip
+        if first == unit.values:
+            _slopes(unit, time, step)
+
+
+def _again(unit: Unit, time: float, step: float) -> None:
+    """Repeat a step. Raises `Doubt` where it is refused now."""
+    unit.restore(time)
+    try:
+        unit.advance(time, step)
+    except StepRefused as refusal:
+        why = f"refuses a step that it did before its state was restored ({refusal})"
+        raise Doubt(f"{why}. {REMEDY}", "state", why, unit.name, "", time) from None
+
+
+def _slopes(unit: Unit, time: float, step: float) -> None:
+    """Repeat a step with inputs that are held, and then as it was. Raises `Doubt` for a unit that is said to take derivatives of
+    its inputs and gives the same bits without those it had, while its inputs matter to it."""
+    told, first = unit.wiring.slopes, unit.values
+    buffer = unit.input_buffer
+    kept = buffer[:]
+    if told.start == told.stop or not any(buffer[told]):
+        return
+    outcomes = []
+    for share in (0.0, 1.0):  # held at the beginning, and at the end: what differs shows that they matter
+        for place in unit.inputs.values():
+            if told.start <= place.derivatives < told.stop:
+                buffer[place.slot] = kept[place.slot] + share * step * kept[place.derivatives]
+        for k in range(told.start, told.stop):
+            buffer[k] = 0.0
+        _again(unit, time, step)
+        outcomes.append(unit.values)
+    for k, value in enumerate(kept):
+        buffer[k] = value
+    _again(unit, time, step)
+    if outcomes[0] == first != outcomes[1]:
+        raise Doubt(
+            "takes derivatives of its inputs, as its description says that it can, and does nothing with them: its inputs are "
+            "those of the beginning of a step all through it. Take scheme 'auto', which holds them at their mean", "slopes",
+            "does nothing with the derivatives of its inputs", unit.name, "", time,
+        )  # fmt: skip
 
 
 def _nominal(variables: dict[str, Variable], name: str) -> float:

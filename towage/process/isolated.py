@@ -29,7 +29,9 @@ from towage.files import scratch
 from towage.process.overseer import Limits
 from towage.process.served import LENGTH, Said, serve
 from towage.units.description import Description, Value
+from towage.units.doubt import Doubt
 from towage.units.fmu import StepRefused, Unit
+from towage.units.kinds import is_double
 from towage.units.log import STATUS, Log
 from towage.units.wiring import Wanted, Wiring
 
@@ -104,7 +106,10 @@ class Remote(Unit):
             raise RunError("its process sent what is no reply", unit=self.name, time=time) from None
         if refusal := said.refusal:
             raise StepRefused(refusal.text, self.name, refusal.ends, refusal.reached, refusal.event)
-        if failure := said.failure:
+        failure = said.failure
+        if failure and failure.doubt:
+            raise Doubt(failure.message, failure.doubt, failure.why, self.name, failure.variable, failure.time)
+        if failure:
             raise RunError(failure.message, unit=self.name, variable=failure.variable, time=failure.time)
         return reply[end:]
 
@@ -113,7 +118,7 @@ class Remote(Unit):
         instance, words = self.instance, self.wiring.others.words
         for status, category, text in said.log:
             instance.log.add(STATUS.index(status) if status in STATUS else -1, category, text)
-        instance.log.lost = said.lost
+        instance.log.lost, instance.log.warnings, instance.log.warned_at = said.lost, said.warnings, said.warned_at
         instance.meddled |= dict.fromkeys(said.meddled)
         instance.dead, instance.freezes, self._handled = said.dead, said.freezes, said.handled
         instance.next_event = math.inf if said.next_event is None else said.next_event
@@ -152,7 +157,7 @@ class Remote(Unit):
     def constant(self, name: str) -> float | None:
         """As `Unit.constant`."""
         v = self.variables.get(name)
-        if not v or v.type != "Real":
+        if not v or not is_double(v):
             return None
         reply = self._ask("initialisation", math.nan, "constant", name)
         return array("d", reply)[0] if len(reply) == 8 else None

@@ -17,6 +17,7 @@ import msgspec
 from towage.errors import RunError
 from towage.process.overseer import Limits
 from towage.units.description import Description
+from towage.units.doubt import Doubt, What
 from towage.units.fmu import StepRefused, Unit
 from towage.units.wiring import Wanted
 
@@ -25,11 +26,13 @@ LENGTH = 8
 
 
 class Failure(msgspec.Struct):
-    """A `RunError`."""
+    """A `RunError`, or a `Doubt` of something, and why."""
 
     message: str
     variable: str = ""
     time: float | None = None
+    doubt: What | None = None
+    why: str = ""
 
 
 class Refusal(msgspec.Struct):
@@ -43,11 +46,14 @@ class Refusal(msgspec.Struct):
 
 class Said(msgspec.Struct):
     """What a call of a unit brought beside its values: ``log``: new messages as (status, category, text), and how many were
-    ``lost``; ``meddled``: what it changed of its process; ``ended``: when it ended the simulation, s; ``texts`` and ``binaries``
-    (as hexadecimal digits) that it sends; ``handled``: whether there were events to handle; ``next_event``, s."""
+    ``lost``; ``warnings``: calls that returned Warning, first at ``warned_at``, s; ``meddled``: what it changed of its process;
+    ``ended``: when it ended the simulation, s; ``texts`` and ``binaries`` (as hexadecimal digits) that it sends; ``handled``:
+    whether there were events to handle; ``next_event``, s."""
 
     log: list[tuple[str, str, str]] = []
     lost: int = 0
+    warnings: int = 0
+    warned_at: float | None = None
     meddled: list[str] = []
     ended: list[float] = []
     texts: dict[str, str] = {}
@@ -79,7 +85,8 @@ def serve(descriptor: int) -> None:
             said.refusal = Refusal(str(refusal), refusal.ends, refusal.reached, refusal.event)
         except Exception as error:
             known = error if isinstance(error, RunError) else RunError(f"{type(error).__name__}: {error}")
-            said.failure = Failure(str(known.args[0]), known.variable, known.time)
+            doubt = (known.what, known.why) if isinstance(known, Doubt) else ()
+            said.failure = Failure(str(known.args[0]), known.variable, known.time, *doubt)
         if served:
             served.tell(said)
         data = msgspec.json.encode(said)
@@ -110,6 +117,7 @@ class Served:
         unit, instance = self.unit, self.unit.instance
         said.log = [(m.status, m.category, m.text) for m in instance.log.messages[self._told :]]
         self._told, said.lost = len(instance.log.messages), instance.log.lost
+        said.warnings, said.warned_at = instance.log.warnings, instance.log.warned_at
         if said.refusal and not said.refusal.ends and said.refusal.event is None:
             instance.log.mark()  # as the master does before a shorter step
         said.meddled, said.ended = list(instance.meddled), [time for _, time in unit.endings]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import functools
 import io
 import math
 import os
@@ -33,7 +32,9 @@ from towage.scene.resolve import ResolvedScene
 
 if TYPE_CHECKING:
     from towage.result.result import Result
-    from towage.units.fmu import UnitFactory
+    from towage.units.description import Description
+    from towage.units.fmu import Unit, UnitFactory
+    from towage.units.wiring import Wanted
 
 
 JOURNAL, RESULT = "journal", "result.npz"
@@ -209,6 +210,23 @@ def _handed_over(result: Result, path: Path) -> str:
     return base64.b64encode(stream.getvalue()).decode()
 
 
+def _factory(request: Request) -> UnitFactory:
+    """Makes the units of the run: in this process, or in others where that is asked for, or where a process holds one alone."""
+    mark = Mark(request.directory / "mark")
+    units = request.resolved.units.values()
+    if not request.isolate and not any(unit.description.once_per_process for unit in units):
+        return mark.unit
+    from towage.process.isolated import Remote
+
+    def make(name: str, description: Description, directory: Path, wanted: Wanted) -> Unit:
+        """One unit."""
+        if request.isolate or description.once_per_process:
+            return Remote(mark.note, request.limits, name, description, directory, wanted)
+        return mark.unit(name, description, directory, wanted)
+
+    return make
+
+
 def _serve(request: Request, report: Report) -> dict[str, Any]:
     import traceback
 
@@ -217,11 +235,7 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
         from towage.master.master import check_resolved, run_resolved
 
         report(0.0, "initialisation")
-        make_unit: UnitFactory = Mark(request.directory / "mark").unit
-        if request.isolate:
-            from towage.process.isolated import Remote
-
-            make_unit = functools.partial(Remote, Mark(request.directory / "mark").note, request.limits)
+        make_unit = _factory(request)
         if request.task == "check":
             return {"done": [vars(finding) for finding in check_resolved(request.resolved, make_unit)]}
         result = run_resolved(request.resolved, report, request.directory / JOURNAL, make_unit, request.resume)

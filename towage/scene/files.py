@@ -14,6 +14,7 @@ from towage.scene.scene import Scene
 from towage.units.archive import read_description
 from towage.units.description import Description
 from towage.units.store import Locate
+from towage.units.vetted import heeded
 
 
 def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
@@ -23,7 +24,7 @@ def descriptions_of(scene: Scene, locate: Locate) -> dict[str, Description]:
         name: each.python() if (each := data[name]) else _path(scene, name, entry.fmu, locate)
         for name, entry in scene.units.items()
     }
-    read = {path: read_description(path) for path in dict.fromkeys(paths.values())}
+    read = {path: heeded(path, read_description(path)) for path in dict.fromkeys(paths.values())}
     return {
         name: replace(read[path], warnings=(*read[path].warnings, *each.notes)) if (each := data[name]) else read[path]
         for name, path in paths.items()

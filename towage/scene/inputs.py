@@ -35,6 +35,22 @@ def check_needed(names: Names) -> None:
                 raise names.fault(f"{unit}.{v.name} is not set, and {unit} needs it: {v.description}", key)
 
 
+def check_aliases(names: Names, sources: Sources) -> None:
+    """Refuses two names of one variable that are both set or connected: the second would take the place of the first. Raises
+    `SceneError`."""
+    for unit, entry in names.scene.units.items():
+        first: dict[tuple[int, str], str] = {}
+        for name in dict.fromkeys([*entry.values, *(target for of, target in sources if of == unit)]):
+            v = names.variables[unit].get(name)
+            other = first.setdefault((v.value_reference, v.kind), name) if v and v.array == 1 else name
+            if v and other != name:
+                raise names.fault(
+                    f"{unit}.{other} and {unit}.{name} are two names of one variable (value reference {v.value_reference}): set "
+                    "or connect one of them",
+                    f"units.{unit}",
+                )
+
+
 def unset_inputs(names: Names, sources: Sources, open_ends: bool) -> dict[str, str]:
     """The inputs that may have been forgotten, "unit.input" to what to do: neither connected nor set, and their unit
     does not say what their start value means. Raises `SceneError` for one that its unit needs, unless ``open_ends``."""

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from towage.errors import SceneError
 from towage.registry import SCHEMES
 from towage.scene.files import descriptions_of
-from towage.scene.inputs import check_constants, check_needed, unset_inputs
+from towage.scene.inputs import check_aliases, check_constants, check_needed, unset_inputs
 from towage.scene.physical import check_physical
 from towage.scene.scene import Scene
 from towage.scene.transform import carried
@@ -119,6 +119,7 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
     sources = {(c.target_unit, c.target): f"{c.source_unit}.{c.source}" for c in resolved.connections}
     check_constants(names, sources)
     check_needed(names)
+    check_aliases(names, sources)
     forgotten = unset_inputs(names, sources, open_ends)
     check_physical(names, {name: unit.parameters for name, unit in resolved.units.items()})
     _check_margins(names)
@@ -131,7 +132,6 @@ def _resolved(scene: Scene, descriptions: Mapping[str, Description], open_ends: 
             other = _bare(variant.scene, Names(variant.scene, descriptions)) if variant.scene else None
             other = other and replace(other, reads=tuple(reads))
             variants.append(ResolvedVariant(variant.name, other, variant.coarse, variant.nudged))
-    _check_instances(scene, descriptions, bool(variants))
     _check_loops(resolved.loops, names)
     told = tuple(forgotten), tuple(forgotten.values())
     return replace(resolved, variants=tuple(variants), forgotten=told[0], remedies=told[1], reads=tuple(reads))
@@ -194,22 +194,18 @@ def _check_margins(names: Names) -> None:
             raise names.fault(f"{name!r} is no margin: expected 'unit.margin_...'", key)
 
 
-def _check_instances(scene: Scene, descriptions: Mapping[str, Description], variants: bool) -> None:
-    """A unit that a process may hold once: not twice in the scene, and no second run beside the first."""
-    seen = set()
-    for name, description in descriptions.items():
-        if not description.once_per_process:
-            continue
-        only = f"{description.path.name} can be instantiated only once in a process"
-        if description.path in seen:
-            raise scene.error(only, f"units.{name}.fmu")
-        if variants:
-            raise scene.error(
-                f"{only}, so that there is no second run to compare with: set coupling.error_estimate = false and leave out "
-                "checks.sdof and checks.simpler",
+def check_instances(resolved: ResolvedScene) -> None:
+    """Refuses, where all units are in one process, a unit that a process may hold once: twice in the scene, or in a second run
+    beside the first. Raises `SceneError`."""
+    seen: set[Path] = set()
+    for name, unit in resolved.units.items():
+        if unit.description.once_per_process and (unit.path in seen or resolved.variants):
+            raise resolved.scene.error(
+                f"{unit.path.name} can be instantiated only once in a process, and the scene, with the runs it is compared with, "
+                "has more: take towage.run or `towage run`, which give it processes of its own",
                 f"units.{name}.fmu",
             )
-        seen.add(description.path)
+        seen.add(unit.path)
 
 
 def _check_loops(loops: tuple[str, ...], names: Names) -> None:

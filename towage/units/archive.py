@@ -18,6 +18,7 @@ import tempfile
 import unicodedata
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -165,7 +166,7 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
     if unpacked > reading.RATIO_FLOOR and unpacked > reading.MAX_RATIO * packed:
         raise FmuError(f"unpacks to {unpacked / packed:.0f} times its size: refused as a bomb", file=path)
     spelled: dict[str, tuple[str, bool]] = {}
-    listed: set[str] = set()
+    listed: dict[str, tuple[int, int]] = {}
     for entry in entries:
         name = entry.orig_filename
         parts = name.rstrip("/").split("/")
@@ -176,9 +177,9 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
             there = spelled.setdefault(unicodedata.normalize("NFC", here[0]).casefold(), here)
             if there != here:
                 raise FmuError(f"collides with {there[0]!r} where case is ignored", file=path, entry=repr(name))
-        if here[0] in listed:
-            raise FmuError("occurs twice in the archive", file=path, entry=repr(name))
-        listed.add(here[0])
+        content = entry.CRC, entry.file_size
+        if listed.setdefault(here[0], content) != content:
+            raise FmuError("occurs twice in the archive, with two contents", file=path, entry=repr(name))
 
 
 def _entry_problem(entry: zipfile.ZipInfo, parts: list[str]) -> str:
@@ -205,14 +206,17 @@ def _ending(part: str) -> bool:
 
 
 def _unportable(names: list[str]) -> tuple[str, ...]:
-    """What to say of entries that end in a full stop, which Windows does not keep."""
+    """What to say of entries that end in a full stop, which Windows does not keep, and of those that are there twice."""
     odd = [name for name in names if any(part.endswith(".") for part in name.rstrip("/").split("/"))]
-    return (f"the archive has {', '.join(odd[:3])}, which Windows cannot unpack: taken here",) if odd else ()
+    twice = [name for name, count in Counter(names).items() if count > 1 and not name.endswith("/")]
+    said = [f"the archive has {', '.join(odd[:3])}, which Windows cannot unpack: taken here"] if odd else []
+    said += [f"the archive has {', '.join(twice[:3])} twice, with the same content: taken once"] if twice else []
+    return tuple(said)
 
 
 def _unpack(archive: zipfile.ZipFile, target: Path) -> None:
     """Write every entry below ``target``; reading to the end checks length and CRC."""
-    for entry in archive.infolist():
+    for entry in {entry.orig_filename: entry for entry in archive.infolist()}.values():
         place = target.joinpath(*entry.orig_filename.split("/"))
         if entry.is_dir():
             place.mkdir(parents=True, exist_ok=True)

@@ -50,7 +50,7 @@ def rate_of(description: Description, output: str) -> tuple[str, float] | None:
     is."""
     variables = description.by_name()
     rate, source = variables.get(f"{output}_rate"), variables.get(output)
-    if rate is None or source is None or rate.type != "Real" or source.type != "Real":
+    if "rates" in description.distrusted or rate is None or source is None or rate.type != "Real" or source.type != "Real":
         return None
     if description.conventions:
         return rate.name, 1.0
@@ -62,7 +62,7 @@ def takes_derivatives(description: Description, name: str) -> bool:
     """Whether the time derivatives of an input are variables."""
     variables = description.by_name()
     found = [variables.get(f"{name}_d{k}") for k in INPUT_ORDERS]
-    if not all(found):
+    if not all(found) or "slopes" in description.distrusted:
         return False
     return description.conventions or all(
         v is not None and _per_time(description, variables[name], v, k) == 1.0 for k, v in zip(INPUT_ORDERS, found)

@@ -65,6 +65,7 @@ class Description(msgspec.Struct, frozen=True, dict=True):
     ``dependencies`` gives the inputs that act on an output without delay; None: not declared, so all of them may.
     ``conventions``: its names mean what `towage.units.conventions` says, as the maker declares. ``warnings``: what breaks the
     standard and is taken all the same. ``event_mode``: the unit has FMI 3's, and no conventions that say the same.
+    ``distrusted``: what was found not to be so (`towage.units.doubt`).
     """
 
     path: Path
@@ -88,6 +89,7 @@ class Description(msgspec.Struct, frozen=True, dict=True):
     conventions: bool = False
     warnings: tuple[str, ...] = ()
     event_mode: bool = False
+    distrusted: tuple[str, ...] = ()
 
     def by_name(self) -> dict[str, Variable]:
         """The variables under their names."""

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from towage.errors import RunError
 from towage.units.description import Description, Value
+from towage.units.doubt import Doubt
+from towage.units.kinds import is_double
 from towage.units.library import NEVER_BEFORE, Instance
 from towage.units.log import STATUS
 from towage.units.wiring import Wanted, Wiring
@@ -20,6 +22,8 @@ OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 LIES = "PythonFMU"
 """The tool whose bridge (0.7) says after every step that was not done that the unit ended the simulation; units of towage never
 end it."""
+PENDING = "Pending: it computes on its own while the master goes on, which is not supported"
+"""Of fmi2DoStep where the unit canRunAsynchronuously."""
 SAME_TIME = 1e-9
 """Share of a step by which the time that a unit reached may miss the step's end."""
 
@@ -62,13 +66,14 @@ class Unit:
         self.advance = self._stepper()
 
     def _check(self, status: int, what: str, time: float | None = None) -> None:
-        """Raises `RunError` for a status that is neither OK nor Warning."""
-        if status not in (OK, WARNING):
+        """Raises `RunError` for a status that is neither OK nor Warning, which is counted."""
+        if status == WARNING:
+            self.instance.log.warn(time)
+        elif status != OK:
             self.instance.dead = status == FATAL
             said = self.instance.log.said
-            word = (
-                STATUS[status] if 0 <= status <= FATAL else f"{status}, which is none of the standard's statuses for it"
-            )
+            odd = PENDING if status == FATAL + 1 else f"{status}, which is none of the standard's statuses for it"
+            word = STATUS[status] if 0 <= status <= FATAL else odd
             raise RunError(f"{what} returned {word}" + (f": {said}" if said else ""), unit=self.name, time=time)
 
     def enter(self, start: Mapping[str, Value], span: tuple[float, float], tolerance: float | None) -> None:
@@ -83,9 +88,9 @@ class Unit:
         self.get(time)
 
     def constant(self, name: str) -> float | None:
-        """Current value of a Real variable, None if the unit has none of that name."""
+        """Current value of a double, None if the unit has none of that name; elements of arrays are not read alone."""
         v = self.variables.get(name)
-        return self.instance.real(v.value_reference) if v and v.type == "Real" else None
+        return self.instance.real(v.value_reference) if v and is_double(v) else None
 
     def set(self, time: float) -> None:
         """Pass the input buffer on."""
@@ -119,6 +124,9 @@ class Unit:
                 self._check(status, "reading outputs", time)
         if wiring.get_derivatives and self.begun:
             status = instance.get_derivatives(instance.component, *wiring.get_derivatives)
+            if status > WARNING and status != FATAL and not self.description.conventions:
+                why = f"answers {STATUS[status]} where it is asked for the derivatives of outputs that it declares"
+                raise Doubt(f"{why}. Take scheme 'auto', which does without", "rates", why, self.name, "", time)
             if status:
                 self._check(status, "reading output derivatives", time)
         values = wiring.output_buffer[:]
@@ -165,7 +173,7 @@ class Unit:
             if words_in:
                 self._set_others(time)
             status = do_step(component, time, size, NEVER_BEFORE)
-            if status and status != WARNING:
+            if status:
                 self._refused(status, time, size)
             if not values_alone:
                 self.begun = True
@@ -186,6 +194,7 @@ class Unit:
         ends the simulation at the end of the step has done it."""
         if status not in (DISCARD, ERROR):
             self._check(status, "the step", time)
+            return
         tells = status == DISCARD and not (self.description.conventions or self.description.generation_tool.startswith(LIES))
         ends, reached = self.instance.ended() if tells else (False, None)
         if ends and reached is not None and abs(reached - (time + size)) <= SAME_TIME * size:

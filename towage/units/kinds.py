@@ -39,7 +39,7 @@ class Group:
         self.kind = kind
         self.names = [v.name for v in variables]
         self.places = list(places)
-        numbers = dict.fromkeys(v.value_reference for v in variables)  # one for an array, whose elements follow one another
+        numbers = references_of(variables)
         self.references = (c.c_uint * len(numbers))(*numbers)
         self.values = (CTYPES[kind] * len(variables))()
         self.sizes = (c.c_size_t * len(variables))()
@@ -72,7 +72,21 @@ class Group:
             return [(value or b"").decode(errors="replace") for value in self.values]
         if self.kind == "Binary":
             return [c.string_at(at, size) if at else b"" for at, size in zip(self.values, self.sizes)]
+        if self.kind == "Boolean":
+            return [float(value != 0) for value in self.values]  # some say -1, or 2
         return [float(value) for value in self.values]
+
+
+def is_double(v: Variable) -> bool:
+    """Whether the variable is one double, which a call for doubles reads."""
+    return v.array == 1 and v.kind.partition(" ")[0] in DOUBLES
+
+
+def references_of(variables: Sequence[Variable]) -> list[int]:
+    """What a call for these variables names: each of them, an array once, whose elements follow one another. Two names of one
+    variable are two."""
+    alone = (v.array == 1 or k == 0 or v.value_reference != variables[k - 1].value_reference for k, v in enumerate(variables))
+    return [v.value_reference for v, named in zip(variables, alone) if named]
 
 
 def _binary(value: float | Text) -> bytes:

@@ -17,6 +17,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from towage.errors import FmuError, RunError
 from towage.units.description import Description, Value, Variable
+from towage.units.doubt import Doubt
 from towage.units.kinds import Group, groups
 from towage.units.library import NEVER_BEFORE, Instance
 from towage.units.log import Log
@@ -26,6 +27,8 @@ MAX_UPDATES = 1000
 """Updates of the discrete states at one event."""
 SAME = 1e-12
 """Share of a step that is rounding."""
+SAME_TIME = 1e-9
+"""Share of a step by which the time that a unit reached may miss the step's end."""
 
 
 class Instance3(Instance):
@@ -47,6 +50,9 @@ class Instance3(Instance):
         self._over = False
         self._reached = math.nan
         self._event_at: float | None = None
+        self._expected: float | None = None
+        self._owed: float | None = None
+        self._astray = False
         try:
             self._slave = FMU3Slave(
                 guid=description.guid,
@@ -100,6 +106,7 @@ class Instance3(Instance):
     def set_state(self, component: int, state: Any) -> int:
         """Go back to a saved state, before its events."""
         self._over = self._pending = False
+        self._expected = self._event_at
         return self._set_state(component, state)
 
     def enter(
@@ -133,7 +140,8 @@ class Instance3(Instance):
         """One step, with what happens inside."""
         if self._over:
             return DISCARD
-        self._event_at, end = None, time + size
+        begin, end = time, time + size
+        expected, self._expected, self._event_at = self._expected, None, None
         while True:
             needs, over, early, reached = c_bool(), c_bool(), c_bool(), c_double(time)
             status = self._do_step(
@@ -144,7 +152,12 @@ class Instance3(Instance):
                 return status
             if self._over:
                 return DISCARD
+            if begin == self._owed and not (early.value or self._pending):
+                self._forgotten()
             if not early.value or reached.value >= end - SAME * size:
+                if expected is not None and abs(expected - end) <= SAME_TIME * size and not self._pending:
+                    self._owed = end  # it may come at once in the next step
+                self._check_end(time, end, reached.value)
                 return status
             if self.locates and reached.value > time:
                 self._event_at = reached.value
@@ -154,6 +167,22 @@ class Instance3(Instance):
             if reached.value <= time and not needs.value:
                 return ERROR  # it returns early and gets nowhere
             time = reached.value
+
+    def _forgotten(self) -> None:
+        """Raises `Doubt` for an event that ended a step, and did not come again after its state was restored."""
+        why = f"forgets an event at t = {self._owed:.9g} s when its state is restored"
+        remedy = "Take scheme 'extrapolate' with events = false, which never goes back"
+        raise Doubt(f"{why}. {remedy}", "state", why, self.name, "", self._owed)
+
+    def _check_end(self, time: float, end: float, reached: float) -> None:
+        """A warning for a step that was done, as the unit says, but to another time than the one it was given; some leave what
+        they were given to write on."""
+        if reached != time and abs(reached - end) > SAME_TIME * (end - time):
+            if not self._astray:
+                text = f"says that it did the whole step to {end:.9g} s, and that it came to {reached:.9g} s: one is wrong"
+                self.log.add(1, "towage", text)
+            self._astray = True
+            self.log.warn(time)
 
     def handle_events(self) -> bool:
         """As `Instance.handle_events`. Raises `RunError`."""

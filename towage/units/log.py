@@ -28,12 +28,14 @@ class Message(NamedTuple):
 
 
 class Log:
-    """The messages of one unit."""
+    """The messages of one unit, and how often it returned Warning, first at ``warned_at`` (s)."""
 
     def __init__(self, unit: str) -> None:
         self.unit = unit
         self.messages: list[Message] = []
         self.lost = 0
+        self.warnings = 0
+        self.warned_at: float | None = None
         self._marked = 0
         self._now: Callable[[], float | None] = lambda: None
         self._write: Callable[[Message], None] = lambda message: None
@@ -62,6 +64,11 @@ class Log:
         message = Message(self._now(), self.unit, word, category, text)
         self.messages.append(message)
         self._write(message)
+
+    def warn(self, time: float | None) -> None:
+        """A call returned Warning."""
+        self.warned_at = self.warned_at if self.warnings else time
+        self.warnings += 1
 
     def mark(self) -> None:
         """What was said until now explains nothing that comes later."""

@@ -84,7 +84,7 @@ class DescriptionReader:
         self.types: dict[str, ElementTree.Element] = {}
         for simple in root.iterfind("TypeDefinitions/SimpleType"):
             self.types |= {simple.get("name", ""): child for child in simple if child.tag in _KINDS}
-        self.items: dict[str, dict[str, int]] = {}
+        self.enumerations: dict[str, dict[str, int]] = {}
         said = (e for kind in ("Inputs/Input", "Parameters/Parameter") for e in root.iterfind(f"{self.annotation}/{kind}"))
         self.said = {element.get("name", ""): element for element in said}
 
@@ -165,11 +165,11 @@ class DescriptionReader:
         """The values of an enumeration by name; the same dictionary for all variables of a type, as there may be many."""
         if declared is None or declared not in self.types:
             return {}
-        if declared not in self.items:
+        if declared not in self.enumerations:
             found = self.types[declared].iterfind("Item")
             values = {item.get("name", ""): number_of(item, "value", int) for item in found}
-            self.items[declared] = {name: value for name, value in values.items() if name and value is not None}
-        return self.items[declared]
+            self.enumerations[declared] = {name: value for name, value in values.items() if name and value is not None}
+        return self.enumerations[declared]
 
     @staticmethod
     def flag(element: ElementTree.Element, key: str) -> bool:
@@ -209,6 +209,7 @@ class DescriptionReader:
             )
         kind = ElementTree.Element(own.tag, {**(self.types[declared].attrib if declared else {}), **own.attrib})
         kind.attrib.pop("name", None)
+        low, high = self.items(self.types[declared]) if declared else (None, None)
         exact = variability == "constant"
         return Variable(
             name=name,
@@ -221,14 +222,21 @@ class DescriptionReader:
             start=number_of(kind, "start", _VALUES[own.tag]),
             unit=kind.get("unit"),
             display_unit=kind.get("displayUnit"),
-            min=number_of(kind, "min", float),
-            max=number_of(kind, "max", float),
+            min=low if low is not None else number_of(kind, "min", float),
+            max=high if high is not None else number_of(kind, "max", float),
             nominal=number_of(kind, "nominal", float),
             description=element.get("description", ""),
             needed=self.meant(name)[0],
             unset=self.meant(name)[1],
             items=self.items_of(declared),
         )
+
+    @staticmethod
+    def items(declared: ElementTree.Element | None) -> tuple[float | None, float | None]:
+        """The least and the largest value that a type names, which has values of its own: an enumeration; None for others."""
+        found = () if declared is None else declared.iterfind("Item")
+        values = [value for item in found if (value := number_of(item, "value", float)) is not None]
+        return (min(values), max(values)) if values else (None, None)
 
     def dependencies(self, variables: tuple[Variable, ...]) -> dict[str, tuple[str, ...] | None]:
         """Direct dependencies of the outputs, on inputs only."""

@@ -109,6 +109,7 @@ class DescriptionReader3(DescriptionReader):
         attributes = {**(declared.attrib if declared is not None else {}), **element.attrib}
         kind = ElementTree.Element(tag, attributes)
         starts = self.starts(element, tag)
+        low, high = self.items(declared)
         lengths = [self.length(dimension) for dimension in element.iterfind("Dimension")]
         count = math.prod(lengths)
         self.elements_read += count if lengths else 0
@@ -130,8 +131,8 @@ class DescriptionReader3(DescriptionReader):
                 start=(starts[k] if k < len(starts) else starts[0]) if starts else None,
                 unit=kind.get("unit"),
                 display_unit=kind.get("displayUnit"),
-                min=number_of(kind, "min", float),
-                max=number_of(kind, "max", float),
+                min=low if low is not None else number_of(kind, "min", float),
+                max=high if high is not None else number_of(kind, "max", float),
                 nominal=number_of(kind, "nominal", float),
                 description=element.get("description", ""),
                 kind="Float64 discrete" if (tag, variability) == ("Float64", "discrete") else _KINDS.get(tag, tag),

@@ -1,5 +1,5 @@
 """What all units of a process share, and one of them could change for the others: working directory, mask of signals, mask of
-new files, floating-point mode.
+new files, floating-point mode, locale (one with decimal commas reads the numbers of all units otherwise).
 
 Units of other makes are looked at after every call (`towage.units.library`), some microseconds each; what one changed is
 set back at once, before another unit or the master computes with it, and the unit is named. Our own units change none of it.
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import locale
 import os
 import signal
 from collections.abc import Callable
@@ -31,6 +32,7 @@ class Surroundings:
         self._directory = _directory()
         self._mask = _mask()
         self._umask = _umask()
+        self._locale = locale.setlocale(locale.LC_ALL)
         self._numbers = ctypes.create_string_buffer(_ROOM)
         self._set_numbers: Any = None
         if os.name == "posix" and hasattr(library := ctypes.CDLL(None), "fesetenv") and not library.fegetenv(self._numbers):
@@ -56,6 +58,10 @@ class Surroundings:
         if (umask := _umask()) != self._umask:
             os.umask(self._umask)
             said.append(f"the mask of new files, to {umask:03o}")
+        if (now := locale.setlocale(locale.LC_ALL)) != self._locale:
+            with contextlib.suppress(locale.Error):
+                locale.setlocale(locale.LC_ALL, self._locale)
+            said.append(f"the locale, to {now}")
         return said
 
     def guarded(self, function: Callable[..., int], tell: Callable[[list[str]], None]) -> Callable[..., int]:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from towage.fmus.declare.unit import INPUT_ORDERS
 from towage.units.conventions import rate_of, takes_derivatives
 from towage.units.description import Description, Value, Variable
-from towage.units.kinds import DOUBLES, TEXTS, Group, Others, groups
+from towage.units.kinds import DOUBLES, TEXTS, Group, Others, groups, references_of
 
 
 class Wanted(NamedTuple):
@@ -59,7 +59,7 @@ class Wiring:
     those that the function takes, then numbers that are no doubles. ``outputs`` names the values that are read: those of
     ``output_buffer``, which are those wanted and rates of sources that the unit computes by function, as
     ``<source>_rate``; then numbers that are no doubles. ``others`` are the calls for these and for texts. An array is set and
-    read whole: all its elements are there if one is wanted.
+    read whole: all its elements are there if one is wanted. ``slopes`` are the places of the derivatives that the function takes.
     """
 
     def __init__(self, description: Description, wanted: Wanted) -> None:
@@ -98,6 +98,7 @@ class Wiring:
         self._places = places
         self.fill({})
         self.set_values = self.arguments(names, self.input_buffer, 0)
+        self.slopes = slice(len(names), len(names) + len(passed))
         self.set_derivatives = self.arguments(
             [i for i, _ in passed], self.input_buffer, len(names), [k for _, k in passed]
         )
@@ -141,8 +142,8 @@ class Wiring:
     ) -> Arguments:
         """What a call for these variables takes: addresses of the references, their number, the addresses of the orders
         of derivatives if there are any, and of the values, in ``buffer`` from ``first`` on; FMI 3 wants their number too."""
-        numbers = [self.variables[n].value_reference for n in names]
-        numbers = numbers if orders else list(dict.fromkeys(numbers))
+        known = [self.variables[n] for n in names]
+        numbers = [v.value_reference for v in known] if orders else references_of(known)
         references = (c_uint * len(numbers))(*numbers)
         kinds = (c_int * len(names))(*(orders or ()))
         self._alive += [references, kinds]

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 from towage.units.archive import read_description, unpacked
-from towage.units.description import Description
+from towage.units.description import Description, Value
 from towage.units.fmu import StepRefused, Unit
 from towage.units.store import cache
 from towage.units.wiring import Wanted
 
+STEPS = 50
+"""Of a trial."""
 DEFAULT_STEP = 0.01
 """Step of a unit whose default experiment names none, s."""
 LONG = 1e9
@@ -41,20 +43,23 @@ class Bench:
         self.outputs = [v for v in every if v.causality == "output" and v.type == "Real"]
 
     @contextmanager
-    def unit(self, name: str = "tried") -> Iterator[Unit]:
-        """An initialised instance, freed at the end. Raises `RunError` and `FmuError`."""
-        unit = self.made(name)
+    def unit(
+        self, name: str = "tried", slopes: bool = False, values: Mapping[str, Value] | None = None
+    ) -> Iterator[Unit]:
+        """An initialised instance, with these start ``values``, freed at the end; ``slopes``: it is given derivatives of its
+        inputs. Raises `RunError` and `FmuError`."""
+        unit = self.made(name, slopes, values or {})
         try:
             yield unit
         finally:
             unit.close()
 
-    def made(self, name: str) -> Unit:
+    def made(self, name: str, slopes: bool, values: Mapping[str, Value]) -> Unit:
         """An initialised instance."""
-        wanted = Wanted([v.name for v in self.inputs], [], [v.name for v in self.outputs], cubic=False)
+        wanted = Wanted([v.name for v in self.inputs], [], [v.name for v in self.outputs], cubic=slopes)
         unit = Unit(name, self.description, self.directory, wanted)
         try:
-            unit.enter({}, (0.0, LONG), self.description.default_experiment.tolerance)
+            unit.enter(values, (0.0, LONG), self.description.default_experiment.tolerance)
             unit.begin(0.0)
         except BaseException:
             unit.close()
@@ -84,10 +89,15 @@ class Bench:
                 break
         return rows
 
-    def worst(self, one: Sequence[Sequence[float]], other: Sequence[Sequence[float]]) -> tuple[float, str]:
-        """(largest relative difference of two runs, the output), relative to the largest value of the output."""
+    def worst(
+        self, one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], smooth: bool = False
+    ) -> tuple[float, str]:
+        """(largest relative difference of two runs, the output), relative to the largest value of the output; ``smooth``: of
+        continuous outputs alone."""
         worst, which = 0.0, ""
         for k, v in enumerate(self.outputs):
+            if smooth and v.variability != "continuous":
+                continue
             scale = max((abs(row[k]) for row in (*one, *other)), default=0.0)
             gap = max((abs(a[k] - b[k]) for a, b in zip(one, other)), default=0.0)
             if gap > worst * scale:

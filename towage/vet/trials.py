@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
-import os
-import resource
-import threading
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from towage.errors import RunError
 from towage.master.trust import FIXED, REPEATED
 from towage.units.conventions import guessed, rate_of
 from towage.units.fmu import StepRefused
-from towage.vet.bench import Bench, Trial
+from towage.vet import inputs, process
+from towage.vet.bench import STEPS, Bench, Trial
 
-STEPS = 50
-LEAK_STEPS = 20_000
-LEAK = 16.0
-"""Bytes a step beyond which memory leaks."""
 RATE = 0.05
 """Relative error of a rate over a step that passes: the rest is the curvature of the signal."""
 
@@ -34,11 +26,20 @@ def runs(bench: Bench) -> list[Trial]:
                 unit.advance(k * bench.step, bench.step)
             except StepRefused as refusal:
                 if refusal.ends:
-                    return [Trial("runs", "note", f"ends by itself after {k} steps, at {refusal.reached} s")]
+                    return [_end(refusal, k, bench.step)]
                 return [Trial("runs", "warning", f"refuses step {k} of {bench.step:g} s: {refusal}")]
             if unit.endings:
                 return [Trial("runs", "note", f"ends by itself at {unit.endings[0][1]:g} s")]
     return [Trial("runs", "ok", f"initialises and does {10 * STEPS} steps of {bench.step:g} s")]
+
+
+def _end(refusal: StepRefused, done: int, step: float) -> Trial:
+    reached = refusal.reached
+    if reached is not None and not done * step <= reached * (1.0 + 1e-9) <= (done + 1 + 1e-9) * step:
+        span = f"{done * step:g} to {(done + 1) * step:g} s"
+        text = f"ends by itself in the step from {span}, and says that it came to {reached:g} s"
+        return Trial("runs", "warning", text, reached)
+    return Trial("runs", "note", f"ends by itself after {done} steps, at {reached} s")
 
 
 def flag(bench: Bench) -> list[Trial]:
@@ -69,8 +70,11 @@ def determinism(bench: Bench) -> list[Trial]:
         found = [Trial("determinism", "warning" if gap < FIXED else "fault", f"two runs differ, most in {name}", gap)]
     if bench.description.once_per_process:
         return [*found, Trial("two instances", "note", "only one a process, as its description says")]
-    with bench.unit("one") as one, bench.unit("two") as two:
-        sides = [bench.run(one, 1, k) + bench.run(two, 1, k) for k in range(STEPS)]
+    try:
+        with bench.unit("one") as one, bench.unit("two") as two:
+            sides = [bench.run(one, 1, k) + bench.run(two, 1, k) for k in range(STEPS)]
+    except RunError as error:
+        return [*found, Trial("two instances", "fault", f"there is no second one beside the first: {error}")]
     gap, name = bench.worst([row[0] for row in sides if row], first)
     if gap > REPEATED:
         return [*found, Trial("two instances", "fault", f"disturb one another, most in {name}: run one a process", gap)]
@@ -102,7 +106,25 @@ def rollback(bench: Bench) -> list[Trial]:
     found = [Trial("noise", level, text + (": it is not taken back" if noise > FIXED else ""), noise)]
     complete = lost <= max(REPEATED, 10.0 * STEPS * noise if noise <= FIXED else REPEATED)
     text = "complete" if complete else f"{STEPS} steps from a saved state differ by {lost:.2g} of {name}: it is not complete"
-    return [*found, Trial("state", "ok" if complete else "warning", text, lost)]
+    return [*found, Trial("state", "ok" if complete else "warning", text, lost), *_serialised(bench)]
+
+
+def _serialised(bench: Bench) -> list[Trial]:
+    """Is a state that is written down all of it? Another instance goes on from there."""
+    if not bench.description.can_serialize_state:
+        return []
+    with bench.unit() as unit:
+        bench.run(unit, 5)
+        data = unit.frozen(5 * bench.step)
+        first = bench.run(unit, STEPS, 5)
+    with bench.unit() as unit:
+        unit.thaw(data, 5 * bench.step)
+        second = bench.run(unit, STEPS, 5)
+    lost, name = bench.worst(first, second)
+    text = "another instance goes on from a state that was written down"
+    if lost > REPEATED or len(first) != len(second):
+        return [Trial("serialisation", "fault", f"{text}, and differs by {lost:.2g} of {name}: it is not complete", lost)]
+    return [Trial("serialisation", "ok", text, lost)]
 
 
 def feedthrough(bench: Bench) -> list[Trial]:
@@ -159,91 +181,10 @@ def rates(bench: Bench) -> list[Trial]:
     return [Trial("rates", "ok", "; ".join(said[:3]) or "are the time derivatives")]
 
 
-def environment(bench: Bench) -> list[Trial]:
-    """Does it leave the process as it was: directory, files, threads, children, floating-point mode?"""
-    before = _state()
-    with bench.unit() as unit:
-        bench.run(unit, STEPS)
-        during = _state()
-    after = _state()
-    found = [
-        Trial("environment", "fault", f"changes {what}; towage sets it back after each call") for what in unit.instance.meddled
-    ]
-    for key, what in (("directory", "changes the working directory"), ("rounding", "changes the floating-point mode"),
-                      ("umask", "changes the umask"), ("children", "starts processes")):  # fmt: skip
-        if during[key] != before[key] or after[key] != before[key]:
-            found.append(Trial("environment", "fault", what))
-    for key, what in (("files", "file descriptors are left open"), ("threads", "threads are left running")):
-        more = after["counts"][key] - before["counts"][key]
-        if more > 2:
-            found.append(Trial("environment", "warning", f"{more} {what}"))
-    return found or [Trial("environment", "ok", "the process is left as it was")]
-
-
-def _state() -> dict[str, Any]:
-    mask = os.umask(0)
-    os.umask(mask)
-    libc = ctypes.CDLL(None)
-    proc = Path("/proc/self")
-    children = sorted(proc.glob("task/*/children")) if proc.exists() else []
-    return {
-        "directory": os.getcwd(),
-        "umask": mask,
-        "rounding": libc.fegetround() if hasattr(libc, "fegetround") else 0,
-        "counts": {
-            "files": len(list((proc / "fd").iterdir())) if proc.exists() else 0,
-            "threads": len(list((proc / "task").iterdir())) if proc.exists() else threading.active_count(),
-        },
-        "children": "".join(file.read_text() for file in children),
-    }
-
-
-def leaks(bench: Bench) -> list[Trial]:
-    """Does memory grow with the number of steps?"""
-    with bench.unit() as unit:
-        bench.run(unit, LEAK_STEPS // 10)
-        begin = _memory()
-        done = 0
-        for k in range(LEAK_STEPS // 10, LEAK_STEPS):
-            bench.excite(unit, k * bench.step)
-            try:
-                unit.advance(k * bench.step, bench.step)
-            except StepRefused:
-                break
-            done += 1
-        grown = (_memory() - begin) / max(done, 1)
-    if done < LEAK_STEPS // 10:
-        return [Trial("leaks", "note", f"not told: it did {done} steps")]
-    level = "warning" if grown > LEAK else "ok"
-    return [Trial("leaks", level, f"memory grows by {grown:.1f} bytes a step over {done} steps", grown)]
-
-
-def _memory() -> float:
-    """Bytes that this process has in memory; the most that it ever had where the system does not tell."""
-    try:
-        return float(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
-    except OSError:
-        return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-
-def threads(bench: Bench) -> list[Trial]:
-    """Does an instance work in another thread than the one that made it?"""
-    with bench.unit() as unit:
-        here = bench.run(unit, STEPS)
-    there: list[list[float]] = []
-    with bench.unit() as unit:
-        worker = threading.Thread(target=lambda: there.extend(bench.run(unit, STEPS)))
-        worker.start()
-        worker.join()
-    gap, name = bench.worst(here, there)
-    if len(here) != len(there) or gap > REPEATED:
-        return [Trial("threads", "warning", f"differs in another thread, most in {name}", gap)]
-    return [Trial("threads", "ok", "may be stepped in another thread")]
-
-
 TRIALS: dict[str, Callable[[Bench], list[Trial]]] = {
     "runs": runs, "flag": flag, "determinism": determinism, "rollback": rollback, "feedthrough": feedthrough,
-    "rates": rates, "environment": environment, "leaks": leaks, "threads": threads,
+    "rates": rates, "slopes": inputs.slopes, "delay": inputs.delay, "reading": inputs.reading, "start": inputs.start,
+    "step size": inputs.step_size, "environment": process.environment, "leaks": process.leaks, "threads": process.threads,
 }  # fmt: skip
 
 
@@ -252,4 +193,4 @@ def tried(name: str, path: Path) -> list[Trial]:
     try:
         return TRIALS[name](Bench(path))
     except RunError as error:
-        return [Trial(name, "fault" if name == "runs" else "warning", f"fails: {error}")]
+        return [Trial("runs" if name == "runs" else f"{name} trial", "fault" if name == "runs" else "warning", f"fails: {error}")]

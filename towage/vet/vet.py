@@ -41,8 +41,6 @@ class Vetted(NamedTuple):
         step = description.default_experiment.step_size
         if step and not description.can_handle_variable_step:
             lines.append(f"step = {step!r}  # communication steps of one size only")
-        if levels.get("two instances") == "note":
-            lines.append("error_estimate = false  # one instance a process")
         return "\n".join(lines if len(lines) > 1 else ["# no settings beside those that a scene has"]) + "\n"
 
     def document(self) -> dict[str, Any]:
