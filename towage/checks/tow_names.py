@@ -1,7 +1,10 @@
 """The names that the check of tows and its numbers share."""
 
-LINEAR = ("tow_system", "tow_cable")
+WHOLE = "tow_system"
+LINEAR = (WHOLE, "tow_cable")
 UNITS = (*LINEAR, "tow_cable_nonlinear")
-"""The units that tow, and those of small perturbations."""
+"""The units that tow, that of small perturbations with its body, and those of small perturbations."""
 SPRING = "spring EA/L"
 """The finding on the simplest model of a tow."""
+OWN = ("tension_top", "tension_body", "body_surge", "body_heave")
+"""What the check compares of a linear tow with its body (`WHOLE`)."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from towage.checks.check import Check, Finished, Start, told
-from towage.checks.tow_names import SPRING, UNITS
+from towage.checks.tow_names import OWN, SPRING, UNITS, WHOLE
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
 from towage.scene.scene import Scene
@@ -30,11 +30,13 @@ def before(start: Start) -> list[Finding]:
 
 
 def reads(scene: Scene) -> tuple[str, ...]:
-    """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body."""
+    """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body, and what a linear tow made of it."""
     kinds = {*UNITS, "towed_body"}
     ends = (text.rpartition(" -> ") for text in scene.connections)  # no input of these units has an arrow in its name
     units = ((source, scene.units.get(target.split(".")[0])) for source, _, target in ends)
-    return tuple(source for source, unit in units if unit and Path(unit.fmu).stem in kinds)
+    driven = [source for source, unit in units if unit and Path(unit.fmu).stem in kinds]
+    wholes = [name for name, unit in scene.units.items() if Path(unit.fmu).stem == WHOLE]
+    return (*driven, *(f"{name}.{output}" for name in wholes for output in OWN))
 
 
 def after(run: Finished) -> list[Finding]:
