@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from towage.checks.check import Finished
-from towage.checks.tow_names import OWN, WHOLE
+from towage.checks.tow_names import OWN, SMALL, WHOLE
 from towage.checks.towing import SceneTow, tolerance_of, tows
 from towage.models.cable.case import CableError
 from towage.models.cable.lumped.linearity import Linearity, recorded
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 REMEDY = "take tow_cable_nonlinear"
-SMALL, RESOLUTION = "margin_small_perturbation", "margin_resolution"
+RESOLUTION = "margin_resolution"
 DRIVES = {
     "tow_system": (("velocity_surge", 1.0), ("velocity_heave", 1.0), ("body_drag_change", -1.0), ("body_lift_change", 1.0)),
     "tow_cable": (("top_velocity_surge", 1.0), ("top_velocity_heave", 1.0)),

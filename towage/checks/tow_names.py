@@ -6,5 +6,7 @@ UNITS = (*LINEAR, "tow_cable_nonlinear")
 """The units that tow, that of small perturbations with its body, and those of small perturbations."""
 SPRING = "spring EA/L"
 """The finding on the simplest model of a tow."""
+SMALL = "margin_small_perturbation"
+"""The margin of linear tows that is a rough sign until a check has found the error: it decides nothing by itself."""
 OWN = ("tension_top", "tension_body", "body_surge", "body_heave")
 """What the check compares of a linear tow with its body (`WHOLE`)."""
