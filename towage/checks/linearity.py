@@ -53,11 +53,10 @@ def judge(run: Finished) -> list[Finding]:
         unit = next(unit for unit in run.system.units if unit.name == tow.name)
         model = unit.constant("model_error") or 0.0
         try:
-            found: Linearity | str = linearity(run, tow)
+            errors = linearity(run, tow)
+            found: Linearity | str = replace(errors, bound=errors.bound + max(model, errors.model))
         except (CableError, ValueError) as error:
             found = str(error)
-        else:
-            found = replace(found, bound=found.bound + max(model, found.model))
         margin = margin_of(tow.name, found, tolerance, shown)
         run.result.margins += [margin, resolution_of(tow.name, model, tolerance, shown)]
         level: Any = "ok" if margin.word == "valid" else "warning"
