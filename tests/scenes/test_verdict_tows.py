@@ -12,7 +12,7 @@ import pytest
 
 import towage
 from tests.verdict.tows import word_of
-from towage.checks.linearity import drive_of, margin_of
+from towage.checks.linearity import drive_of, margin_of, resolution_of
 from towage.checks.margins import ROUGH, item_of, rough
 from towage.models.cable.case import CableError
 from towage.models.cable.lumped.linearity import Linearity
@@ -129,6 +129,12 @@ def test_words(found: Linearity | str, word: str, number: float | None) -> None:
     assert (margin.word, margin.error, margin.limit, margin.decides) == (word, number, 0.05, True)
     assert (margin.remedy == "") == (word == "valid")
     assert not margin_of("tow", found, 0.05, ("tow.margin_small_perturbation",)).decides
+
+
+def test_segments_alone_make_no_run_invalid() -> None:
+    fine, rough_one = (resolution_of("tow", model, 0.05, ()) for model in (0.02, 0.1))
+    assert fine.word == "" and fine.worst == pytest.approx(0.6) and fine.error == 0.02
+    assert rough_one.word == "marginal" and rough_one.worst == pytest.approx(-1.0) and "tow.band" in rough_one.remedy
 
 
 def test_a_drive_that_nobody_observed_is_named() -> None:

@@ -67,11 +67,15 @@ def judge(run: Finished) -> list[Finding]:
 
 
 def resolution_of(name: str, model: float, tolerance: float, report_only: tuple[str, ...]) -> Margin:
-    """The margin of segments and reduction of the tow ``name``, by the scene's tolerance instead of the unit's own."""
+    """The margin of segments and reduction of the tow ``name``, by the scene's tolerance instead of the unit's own: a bound,
+    which makes no run invalid."""
     variable = f"{name}.{RESOLUTION}"
-    worst, decides = 1.0 - model / tolerance, variable not in report_only
-    remedy = f"lower {name}.band to what the sea has, or take tow_cable_nonlinear" if worst < 0.0 else ""
-    return Margin(variable, worst, 0.0, decides, error=model, limit=tolerance, remedy=remedy)
+    decides = variable not in report_only
+    if model <= tolerance:
+        return Margin(variable, 1.0 - model / tolerance, 0.0, decides, error=model, limit=tolerance)
+    reason = f"what segments and reduction of {name} cost, at most, up to its band"
+    remedy = f"lower {name}.band to what the sea has, or take tow_cable_nonlinear"
+    return Margin(variable, 1.0 - model / tolerance, 0.0, decides, "marginal", reason, model, tolerance, remedy)
 
 
 def linearity(run: Finished, tow: SceneTow) -> Linearity:
