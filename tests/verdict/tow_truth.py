@@ -35,7 +35,7 @@ LARGEST = 4.0
 CHANGES, LEAST = 0.03, 5e-4
 """The error is known when it changes by less than the first of itself, or than the second."""
 FAR = 0.5
-"""An error of which no more is asked than that it is beyond this, by two levels: such wires are thrown about, and cost minutes."""
+"""An error of which no more is asked than that two levels are beyond it: such wires are thrown about, and cost minutes."""
 
 
 class Sea(NamedTuple):
