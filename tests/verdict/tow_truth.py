@@ -28,10 +28,9 @@ Array = NDArray[np.float64]
 SOURCE = Path(__file__).with_name("tow_truth.c")
 RUNTIME = Path(__file__).parents[2] / "fmus" / "native" / "runtime" / "chain"
 DEGREE = 4
-LEVELS = ((2e-4, 5e-5), (4e-5, 1e-5), (1e-5, 2e-6), (2e-6, 4e-7), (4e-7, 8e-8))
-"""Error of a step over the tow speed, and of the steady shape over the length."""
-LARGEST = 4.0
-"""Steps of the wire last at most so many of the record."""
+LEVELS = tuple((2e-4 / 5**k, 5e-5 / 5**k, 0.5**k) for k in range(6))
+"""Error of a step over the tow speed, of the steady shape over the length, and longest step over the interval of the record. The
+error of velocities alone does not see what long steps do to tensions: 5 % with six steps a period."""
 CHANGES, LEAST = 0.03, 5e-4
 """The error is known when it changes by less than the first of itself, or than the second."""
 FAR = 0.5
@@ -76,7 +75,7 @@ def library() -> ctypes.CDLL:
     return loaded
 
 
-def solve(tow: Tow, sea: Sea, times: Array, tolerance: float, shape: float) -> Tensions:
+def solve(tow: Tow, sea: Sea, times: Array, tolerance: float, shape: float, longest: float) -> Tensions:
     """The nonlinear tow from its steady state at equally spaced ``times``, s, from 0. Raises `CableError`."""
     wire, frame, stream = wire_of(tow), Frame(np.zeros(2)), np.array([-tow.speed, 0.0])
     flow = uniform_flow(stream)
@@ -94,7 +93,7 @@ def solve(tow: Tow, sea: Sea, times: Array, tolerance: float, shape: float) -> T
     arrays += [np.column_stack([sea.omega, *sides]), np.empty((len(times), 4))]
     *held, waves, found = (np.ascontiguousarray(a, float) for a in arrays)
     failed = library().solve(
-        DEGREE, elements, *(a.ctypes.data for a in held), tolerance * tow.speed, LARGEST * step, len(sea.omega),
+        DEGREE, elements, *(a.ctypes.data for a in held), tolerance * tow.speed, longest * step, len(sea.omega),
         waves.ctypes.data, sea.ramp, len(times), step, found.ctypes.data,
     )  # fmt: skip
     if failed:
@@ -116,8 +115,8 @@ def apart(linear: Tensions, true: Tensions, late: Array) -> float:
 def error(tow: Tow, sea: Sea, times: Array, linear: Tensions, settle: float) -> tuple[float, float]:
     """(error of ``linear`` from ``settle``, s, on; how far it is known). Raises `CableError` where the wire has no motion."""
     late, before = times >= settle, np.inf
-    for tolerance, shape in LEVELS:
-        found = apart(linear, solve(tow, sea, times, tolerance, shape), late)
+    for level in LEVELS:
+        found = apart(linear, solve(tow, sea, times, *level), late)
         if min(found, before) > FAR and before < np.inf:
             return min(found, before), 0.0
         change, before = abs(found - before), found
