@@ -23,8 +23,9 @@ test-all: $(VENV)/installed-test dist/built ## every test
 faults: $(VENV)/installed-test             ## inject every known fault; the table quoted in docs/faults.md
 	$(BIN)/python -m tests.faults.table
 
-fool: $(VENV)/installed-test dist/built    ## 5000 random heave scenes against the verdict; goes on where it was stopped
+fool: $(VENV)/installed-test dist/built    ## 5000 random heave scenes and 300 tows against the verdict; goes on where it was stopped
 	$(BIN)/python -m tests.verdict.fool heave --count 5000 --jobs $(JOBS)
+	$(BIN)/python -m tests.verdict.fool tows --count 300 --jobs $(JOBS)
 
 fuzz: $(VENV)/installed-test               ## mutated inputs at every door for an hour; SEED=n, SECONDS=n
 	$(BIN)/python -m tests.faults.fuzz --seconds $(or $(SECONDS),3600) --seed $(or $(SEED),1)

@@ -21,7 +21,9 @@ For theta towards 0 they are 1/3 and 1/6, the consistent mass of a rod; both gro
 of the motion overrates the wire.
 
 Where the line goes slack the load falls free of the wire. When it is taut again while both ends part at v, a wave of
-v sqrt(K m) runs up the wire on top of the tension of the spring: sqrt(K m) = EA/c0 is the impedance of the bar.
+v sqrt(K m) runs up the wire on top of the tension of the spring: sqrt(K m) = EA/c0 is the impedance of the bar. Waves die out
+as exp(-zeta omega1 t), zeta the damping ratio of the wire's first mode and omega1 = (pi/2) sqrt(K/m) its frequency, the slowest:
+at worst all that is left of earlier snaps is in step with the next.
 
 Assumptions: (1) theta < pi/2: below the first frequency of the wire alone; (2) no drag along the wire; (3) the wire leaves
 slack straight and at rest in itself, so that the wave of an impact is that of one end that starts at v.
@@ -52,12 +54,14 @@ class Lift(NamedTuple):
 
 class Path(NamedTuple):
     """y, m; T_top and T_low with the static tension W, N, at every second time of the motion of the top; ``impact``: the
-    largest v at which a slack line became taut, m/s, at any time from ``settled`` on."""
+    largest v at which a slack line became taut, m/s, at any time from ``settled`` on; ``ringing``: the same with what is left
+    of the impacts before it, all in step."""
 
     load: list[float]
     top: list[float]
     low: list[float]
     impact: float
+    ringing: float
 
 
 def angle(omega: float, stiffness: float, wire: float) -> float:
@@ -84,11 +88,12 @@ def response(omega: float, stiffness: float, wire: float, load: float) -> tuple[
 
 
 def follow(
-    lift: Lift, h: float, top: Sequence[float], acceleration: Sequence[float], start: tuple[float, float], settled: int = 0
-) -> Path:
+    lift: Lift, h: float, top: Sequence[float], acceleration: Sequence[float], start: tuple[float, float], settled: int = 0,
+    decay: float = 0.0,
+) -> Path:  # fmt: skip
     """The load and both tensions under ``top`` (x, m) and its ``acceleration`` (m/s2) at times h/2 apart, an odd number of
     them, from ``start`` (y, m, and y', m/s) on, by the classical Runge-Kutta method of step ``h``, s. ``settled``: step from
-    which on impacts count."""
+    which on impacts count; ``decay``: of waves in the wire, 1/s."""
     a, b = shares(angle(lift.omega, lift.stiffness, lift.wire))
     k, weight, drag, load = lift.stiffness, lift.weight, lift.drag, lift.load
     ma, mb = lift.wire * a, lift.wire * b
@@ -107,6 +112,7 @@ def follow(
     y, v = start
     y2, low, high = pulled(top[0], acceleration[0], y, v)
     positions, tops, lows, impact = [y], [high], [low], 0.0
+    waves, ringing, fade = 0.0, 0.0, math.exp(-decay * h)
     half, sixth = 0.5 * h, h / 6.0
     for n in range(0, len(top) - 2, 2):
         x0, x1, x2 = top[n], top[n + 1], top[n + 2]
@@ -121,9 +127,13 @@ def follow(
         v += sixth * (y2 + 2.0 * a1 + 2.0 * a2 + a3)
         was = low
         y2, low, high = pulled(x2, f2, y, v)
-        if was <= 0.0 < low and n >= 2 * settled:
-            impact = max(impact, (x2 - x0) / h - v)
+        waves *= fade
+        if was <= 0.0 < low:
+            speed = max(0.0, (x2 - x0) / h - v)
+            waves += speed
+            if n >= 2 * settled:
+                impact, ringing = max(impact, speed), max(ringing, waves)
         positions.append(y)
         tops.append(high)
         lows.append(low)
-    return Path(positions, tops, lows, impact)
+    return Path(positions, tops, lows, impact, ringing)

@@ -14,7 +14,8 @@ With ``never_slack`` the line pushes too, T = K e: the spring of the linear theo
 
 Assumptions: (1) stretch proportional to load; (2) no mass, no drag of its own, so that a wave runs along it in no time;
 (3) no memory: taut again without impact. What (2) and (3) cost follows from the mass of the wire with the load and the
-motion, which no line knows: the check `wire` of the master says it, after `elastic_bar`. The line's own weight counts
+motion, which no line knows: the check `wire` of the master says it, after `elastic_bar`; it alone reads ``wire_damping``,
+whose default is assumed. The line's own weight counts
 against its breaking load only; it does not change the motion about the equilibrium.
 
 Source: MIT thesis 1969, section II "spring force" (K = EA/L, parallel, series) and example 2 (slack: relaxed when
@@ -63,6 +64,11 @@ class Elasticity:
             "m/s", 0.0, "Speed of waves along the line, which gives its mass; 0: not known", display="ft/s", min=0.0
         ),
     ]
+    wire_damping: Annotated[
+        Value,
+        parameter("1", 0.01, "Damping ratio of the line's own first mode, by which waves of a snap die out; ropes have more",
+                  min=0.0, max=1.0),
+    ]  # fmt: skip
     never_slack: Annotated[
         Value,
         parameter("1", 0.0, "1: the line pushes too, as in theories without slack; 0: it goes slack", min=0.0, max=1.0),

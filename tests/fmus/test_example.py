@@ -22,7 +22,7 @@ def monolithic(times: np.ndarray) -> np.ndarray:
         ship=ship.Parameters(0.6, 8.0, 0.0, 16.0, 9.1e5, 1.5e5, 2.3e6, 0.05),
         line=spring_line.Parameters(
             stiffness=3.3e4, axial_stiffness=0.0, length=0.0, breaking_load=0.0, mass_per_length=0.0,
-            weight_per_length=0.0, wave_speed=0.0, never_slack=0.0, freeze_branches=0.0,
+            weight_per_length=0.0, wave_speed=0.0, wire_damping=0.0, never_slack=0.0, freeze_branches=0.0,
             static_tension=8e4,
         ),
         cradle=cradle.Parameters(

@@ -132,7 +132,7 @@ def test_no_steady_motion_at_undamped_resonance() -> None:
 
 @pytest.mark.parametrize("weight", TINY)
 def test_margins_of_a_line_that_carries_next_to_nothing(weight: float) -> None:
-    p = spring_line.Parameters(1e5, 0.0, 30.0, 1e6, 0.0, 0.0, 0.0, 0.0, 0.0, weight)
+    p = spring_line.Parameters(1e5, 0.0, 30.0, 1e6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, weight)
     slack = spring_line.margins(0.0, -2.0, 1e5, weight, p, FLOATS)
     taut = spring_line.margins(2e5, 2.0, 1e5, weight, p, FLOATS)
     assert slack[0] < 0.0 and taut[0] == 1.0 and taut[1] == pytest.approx(0.8)
@@ -142,7 +142,7 @@ def test_margins_of_a_line_that_carries_next_to_nothing(weight: float) -> None:
 @pytest.mark.parametrize("speed", TINY)
 def test_line_whose_waves_are_not_known(speed: float) -> None:
     """A speed of waves that is next to nothing gives no mass, or one that no line bears, but always a number."""
-    p = spring_line.Parameters(1e5, 0.0, 30.0, 0.0, 0.0, 0.0, speed, 0.0, 0.0, 1e5)
+    p = spring_line.Parameters(1e5, 0.0, 30.0, 0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0, 1e5)
     assert spring_line.wire_mass(p, FLOATS) >= 0.0
     assert spring_line.margins(1e5, 1.0, 1e5, 1e5, p, FLOATS)[1] == 1.0
 
@@ -150,7 +150,7 @@ def test_line_whose_waves_are_not_known(speed: float) -> None:
 def test_springs_of_no_stiffness() -> None:
     assert spring_line.series(0.0, 2.0) == 0.0 and spring_line.series(2.0, 2.0) == 1.0
     for length in TINY:
-        p = spring_line.Parameters(0.0, 1e6, length, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e5)
+        p = spring_line.Parameters(0.0, 1e6, length, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e5)
         assert math.isfinite(spring_line.stiffness(p, FLOATS))
         assert not spring_line.requirements(p, FLOATS)[0][0] > 0.0
         assert all(value > 0.0 for value, _ in spring_line.requirements(replace(p, length=10.0), FLOATS))

@@ -176,7 +176,7 @@ def test_row_14_drag_and_breaking_load() -> None:
     alvin = system(150.0, _frequency(100.0), None, amplitude=HEAVE, stiffness=ALVIN_STIFFNESS, mass=ALVIN_MASS)
     assert orbits.steady(alvin).heave_max == pytest.approx(HEAVE * 1.991136438946, rel=1e-11)
     # twice the static tension takes share/(1 - share) of the reserve, the share being W over the breaking load
-    line = spring_line.Parameters(ALVIN_STIFFNESS, 0.0, 0.0, 53_000.0, 0.0, 0.0, 0.0, 0.0, 0.0, ALVIN_WEIGHT)
+    line = spring_line.Parameters(ALVIN_STIFFNESS, 0.0, 0.0, 53_000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, ALVIN_WEIGHT)
     stretch = 2.0 * ALVIN_WEIGHT / ALVIN_STIFFNESS
     _, breaking = spring_line.margins(2.0 * ALVIN_WEIGHT, stretch, ALVIN_STIFFNESS, ALVIN_WEIGHT, line, FLOATS)
     assert (1.0 - breaking) / (2.0 - breaking) == pytest.approx(0.15283, abs=places(5))

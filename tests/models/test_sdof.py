@@ -97,7 +97,7 @@ def test_si_entry_points() -> None:
     """The same pair from the parameters of the three models, in SI and dimensionless."""
     mass, k, x0 = 23_000.0, 14_600.0, 1.3
     hull = ship.Parameters(x0, 8.0, 0.0, 0.0, 400_000.0, 30_000.0, 1_050_000.0, 0.05)
-    line = spring_line.Parameters(0.0, 146_000.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 200_000.0)
+    line = spring_line.Parameters(0.0, 146_000.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 200_000.0)
     body = cradle.Parameters(
         mass, 0.0, 200_000.0, 10.0, 1.2, 1025.0, 3.0, 1e-6, 1e6, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     )

@@ -24,7 +24,7 @@ from towage.result.result import Result
 from towage.sweeps.journal import Journal
 from towage.sweeps.row import Row
 
-FAMILIES = {"heave": "tests.verdict.heave"}
+FAMILIES = {"heave": "tests.verdict.heave", "tows": "tests.verdict.tows"}
 """Name to module, which holds the family as ``FAMILY``."""
 WORDS = ("valid", "marginal", "invalid", "not judged")
 HALF = 0.5
@@ -43,11 +43,11 @@ def judged(name: str, seed: int, index: int) -> Row:
     own = family(name)
     drawn = own.draw(seed, index)
     begin = time.process_time()
-    result = towage.run(own.scene(drawn), flavour="native")
+    result = towage.run(own.scene(drawn), flavour=own.flavour)
     between = time.process_time()
-    true = own.truth(drawn)
     if result.status != "done":
         return Row(index, "failed", message=result.message, note=own.kind(drawn))
+    true = own.truth(drawn, result)
     numbers: dict[str, float | None] = {
         "error": true.error, "motion": true.motion, "noise": true.noise, "chaotic": float(true.chaotic), **measured(result),
         "cpu_run": between - begin, "cpu_truth": time.process_time() - between,
@@ -63,7 +63,10 @@ def measured(result: Result) -> dict[str, float | None]:
     numbers = {f"item:{item.name}": item.number for item in result.verdict.items}
     if c := result.comparison:
         own = {"amplitude": c.amplitude, "peak": c.peak_tension, "rms": c.rms, "tension_rms": c.tension_rms}
-        numbers |= {**own, "bound": c.bound, "said_chaotic": float(c.chaotic)}
+        return {**numbers, **own, "bound": c.bound, "said_chaotic": float(c.chaotic)}
+    bounds = [m.limit * (1.0 - m.worst) for m in result.margins if m.decides and m.limit]
+    if bounds:
+        numbers["bound"] = max(bounds)
     return numbers
 
 

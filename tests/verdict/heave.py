@@ -25,6 +25,7 @@ from tests.verdict import sea_unit
 from tests.verdict.family import Family, Truth
 from tests.verdict.truth import Pair, truth
 from towage.models.sea import waves
+from towage.result.result import Result
 from towage.scene.scene import Scene
 from towage.units.store import cache
 
@@ -125,8 +126,8 @@ def scene(drawn: Drawn) -> Scene:
     )  # fmt: skip
 
 
-def true(drawn: Drawn) -> Truth:
-    """The truth of the drawn scene."""
+def true(drawn: Drawn, result: Result) -> Truth:
+    """The truth of the drawn scene, whatever its run says."""
     return truth(drawn.pair, drawn.settle, drawn.stop)
 
 

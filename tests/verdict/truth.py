@@ -14,6 +14,7 @@ import functools
 import math
 import subprocess
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -65,13 +66,19 @@ class Pair:
         return math.sqrt(sum(a * a for a in self.amplitude))
 
 
+def compiled(sources: Iterable[Path], *folders: Path) -> ctypes.CDLL:
+    """C ``sources`` as a library for this process, with headers from ``folders``."""
+    place = Path(tempfile.mkdtemp(prefix="truth")) / "truth.so"
+    flags = ("-std=c99", "-O2", "-fno-math-errno", "-fPIC", "-shared", "-Wall", "-Werror")
+    included = [word for folder in folders for word in ("-I", str(folder))]
+    subprocess.run([*compiler(host()), *flags, *included, *map(str, sources), "-o", str(place), "-lm"], check=True)
+    return ctypes.CDLL(str(place))
+
+
 @functools.cache
 def library() -> ctypes.CDLL:
-    """`truth.c`, compiled for this process."""
-    place = Path(tempfile.mkdtemp(prefix="truth")) / "truth.so"
-    flags = ("-std=c99", "-O2", "-fno-math-errno", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror")
-    subprocess.run([*compiler(host()), *flags, str(SOURCE), "-o", str(place), "-lm"], check=True)
-    loaded = ctypes.CDLL(str(place))
+    """`truth.c`."""
+    loaded = compiled([SOURCE])
     number, whole, pointer = ctypes.c_double, ctypes.c_long, ctypes.c_void_p
     loaded.solve.argtypes = [pointer, whole, whole, pointer, pointer, pointer, number, number, number, whole, pointer, pointer]
     loaded.solve.restype = None

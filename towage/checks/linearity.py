@@ -1,7 +1,8 @@
 """How wrong a linear tow is in a run: its margin `margin_small_perturbation`, from what moved its towpoint and its body.
 
 The run's own drive, regular or irregular, goes through the nonlinear equations (``models/cable/lumped/linearity.py``); the
-difference to the linear motion is the error. It takes the place of the unit's margin, which knows the present moment only.
+difference to the linear motion is the error, to whose bound that of the unit's segments and reduction is added
+(`model_error`). It takes the place of the unit's margin, which knows the present moment only.
 
 | word | meaning |
 |---|---|
@@ -14,15 +15,16 @@ difference to the linear motion is the error. It takes the place of the unit's m
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from towage.checks.check import Finished
-from towage.checks.signals import component, dominant_frequency, repeats_after
+from towage.checks.tow_names import OWN, SMALL, WHOLE
 from towage.checks.towing import SceneTow, tolerance_of, tows
 from towage.models.cable.case import CableError
-from towage.models.cable.lumped.linearity import Linearity, recorded, regular
+from towage.models.cable.lumped.linearity import Linearity, recorded
 from towage.result.records import Finding, Margin, Word
 from towage.scene.resolve import ResolvedScene
 
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 REMEDY = "take wire"
-SMALL = "margin_small_perturbation"
+RESOLUTION = "margin_resolution"
 DRIVES = {
     "tow_system": (("velocity_surge", 1.0), ("velocity_heave", 1.0), ("body_drag_change", -1.0), ("body_lift_change", 1.0)),
     "tow_cable": (("top_velocity_surge", 1.0), ("top_velocity_heave", 1.0)),
@@ -42,17 +44,21 @@ DRIVES = {
 
 
 def judge(run: Finished) -> list[Finding]:
-    """Sets the margin of every linear tow; a finding each."""
+    """Sets the margins of every linear tow; a finding each."""
     tolerance, findings = tolerance_of(run.scene.scene), []
+    shown = run.scene.scene.checks.report_only
     for tow in tows(run.scene):
         if tow.unit not in DRIVES:
             continue
+        unit = next(unit for unit in run.system.units if unit.name == tow.name)
+        model = unit.constant("model_error") or 0.0
         try:
-            found: Linearity | str = linearity(run, tow)
+            errors = linearity(run, tow)
+            found: Linearity | str = replace(errors, bound=errors.bound + max(model, errors.model))
         except (CableError, ValueError) as error:
             found = str(error)
-        margin = margin_of(tow.name, found, tolerance, run.scene.scene.checks.report_only)
-        run.result.margins.append(margin)
+        margin = margin_of(tow.name, found, tolerance, shown)
+        run.result.margins += [margin, resolution_of(tow.name, model, tolerance, shown)]
         level: Any = "ok" if margin.word == "valid" else "warning"
         findings.append(
             Finding(f"linearity of {tow.name}", level, margin.error, tolerance, margin.reason, margin.remedy)
@@ -60,23 +66,32 @@ def judge(run: Finished) -> list[Finding]:
     return findings
 
 
+def resolution_of(name: str, model: float, tolerance: float, report_only: tuple[str, ...]) -> Margin:
+    """The margin of segments and reduction of the tow ``name``, by the scene's tolerance instead of the unit's own: a bound,
+    which makes no run invalid."""
+    variable = f"{name}.{RESOLUTION}"
+    decides = variable not in report_only
+    if model <= tolerance:
+        return Margin(variable, 1.0 - model / tolerance, 0.0, decides, error=model, limit=tolerance)
+    reason = f"what segments and reduction of {name} cost, at most, up to its band"
+    remedy = f"lower {name}.band to what the sea has, or take wire"
+    return Margin(variable, 1.0 - model / tolerance, 0.0, decides, "marginal", reason, model, tolerance, remedy)
+
+
 def linearity(run: Finished, tow: SceneTow) -> Linearity:
-    """The errors of a tow in a run, from `settle` of the SDOF check on. Where a scene has none, a drive that repeats in the
-    second half of the run is judged as if it had done so for ever, another one over that half. Raises `CableError`."""
+    """The errors of a tow in a run, from `settle` of the SDOF check on, without one over the second half. Raises `CableError`."""
     time, section = run.times, run.scene.scene.checks.get("sdof")
     drive = np.array([drive_of(run, unit, name) * sign for unit, name, sign in inputs_of(run.scene, tow)])
     drive = np.vstack([drive, np.zeros((4 - len(drive), len(time)))])
     quadratic = tow.parameters["body_quadratic_drag"] > 0.5
-    if section:
-        return recorded(tow.tow, quadratic, time, drive, section.settle)
-    late = time >= 0.5 * time[-1]
-    # the largest of two velocities and of two forces, whichever of them there are
-    leading = max(drive[:2] if np.ptp(drive[:2]) else drive[2:], key=np.ptp)[late]
-    omega = dominant_frequency(time[late], leading)
-    if omega and repeats_after(time[late], leading, omega, tolerance_of(run.scene.scene)) == 1:
-        amplitudes = np.array([component(time[late], values[late], omega).conjugate() for values in drive])
-        return regular(tow.tow, quadratic, amplitudes, omega)
-    return recorded(tow.tow, quadratic, time, drive, 0.5 * float(time[-1]))
+    settle = section.settle if section else 0.5 * float(time[-1])
+    unit = next(unit for unit in run.system.units if unit.name == tow.name)
+    own = None
+    if tow.unit == WHOLE:
+        steady = [unit.constant(f"steady_{name}") or 0.0 for name in OWN[:2]]
+        values = np.array([run.track.at(f"{tow.name}.{name}", run.times) for name in OWN])
+        own = values - np.array([*steady, 0.0, 0.0])[:, None]
+    return recorded(tow.tow, quadratic, time, drive, settle, own, int(unit.constant("segments_used") or 0))
 
 
 def inputs_of(scene: ResolvedScene, tow: SceneTow) -> list[tuple[str, str, float]]:

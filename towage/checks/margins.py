@@ -26,6 +26,8 @@ PREMISES = "premises"
 ERROR = re.compile(r"1 - error / (\d+(?:\.\d+)?) %.*?(?:; remedy: (.*))?$")
 """The limit and the remedy in the description of a margin that bounds an error
 (`towage.models.protocol.variables.error_margin`)."""
+ROUGH = "a rough sign"
+"""In the description of a margin that is no bound: it decides only where a check has found the error."""
 
 
 def after(run: Finished) -> list[Finding]:
@@ -41,8 +43,14 @@ def after(run: Finished) -> list[Finding]:
             k = int(np.argmin(values))
             told = run.scene.units[unit].description.by_name()[variable].description
             margin = Margin(name, float(values[k]), float(run.track.time[k]), name not in shown)
-            result.margins.append(with_error(margin, told))
+            result.margins.append(rough(margin) if ROUGH in told else with_error(margin, told))
     return []
+
+
+def rough(margin: Margin) -> Margin:
+    """The margin, of which neither sign says that the model is right or wrong."""
+    reason = f"{margin.variable} is a rough sign, and no check has found the error behind it"
+    return replace(margin, word="not judged", reason=reason, remedy="run the unit in a scene of its own")
 
 
 def with_error(margin: Margin, description: str) -> Margin:

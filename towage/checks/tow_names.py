@@ -1,5 +1,10 @@
 """The names that the check of tows and its numbers share."""
 
-LINEAR = ("tow_system", "tow_cable")
+WHOLE = "tow_system"
+LINEAR = (WHOLE, "tow_cable")
 UNITS = (*LINEAR, "tow_cable_nonlinear")
-"""The units that tow, and those of small perturbations."""
+"""The units that tow, that of small perturbations with its body, and those of small perturbations."""
+SMALL = "margin_small_perturbation"
+"""The margin of linear tows that is a rough sign until a check has found the error: it decides nothing by itself."""
+OWN = ("tension_top", "tension_body", "body_surge", "body_heave")
+"""What the check compares of a linear tow with its body (`WHOLE`)."""

@@ -6,7 +6,7 @@ The numbers are in `towing` and `linearity`, whose models take long to import: o
 from __future__ import annotations
 
 from towage.checks.check import Check, Finished, Start
-from towage.checks.tow_names import UNITS
+from towage.checks.tow_names import OWN, UNITS, WHOLE
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
 
@@ -26,10 +26,12 @@ def before(start: Start) -> list[Finding]:
 
 
 def reads(scene: ResolvedScene) -> tuple[str, ...]:
-    """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body."""
+    """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body, and what a linear tow made of it."""
     kinds = {*UNITS, "towed_body"}
     driven = {name for name, unit in scene.units.items() if unit.description.model_name in kinds}
-    return tuple(f"{c.source_unit}.{c.source}" for c in scene.connections if c.target_unit in driven)
+    wholes = [name for name, unit in scene.units.items() if unit.description.model_name == WHOLE]
+    sources = (f"{c.source_unit}.{c.source}" for c in scene.connections if c.target_unit in driven)
+    return (*sources, *(f"{name}.{output}" for name in wholes for output in OWN))
 
 
 def after(run: Finished) -> list[Finding]:

@@ -5,9 +5,10 @@ The line's upper end moves as it did in the run. Below it the load is followed t
 wire's. The error is the largest of: swing of the motion, its rms, peak of the tension above its static value and its rms,
 at both ends of the wire, each of the spring against the bar as in `comparison`; in chaos of the standard deviations alone.
 The wave of the hardest snap is added to both. `ROOM` and `GROWS` cover what is left out: that the ship answers the other
-tension, and frequencies beside the one at which the bar is exact. For a taut line that is a bound; for one that goes slack
-it is where the waves of a snap have died down before the next (``tests/models/test_elastic_bar.py``: both against a chain
-of masses).
+tension, and frequencies beside the one at which the bar is exact. For a taut line that is a bound. Where a line goes slack,
+the waves of earlier snaps are still in the wire, as far as its damping (`wire_damping`) has left them: all of them in step
+with the next make the bound (``tests/models/test_elastic_bar.py``: both against a chain of masses, damped or not). Where that
+alone is beyond the tolerance, the word is marginal.
 
 A line of unknown mass is not judged. It is looked at as a wire rope of steel, which is the lightest common rope for its
 stiffness: where even that errs beyond the tolerance, the run is not judged.
@@ -15,21 +16,14 @@ stiffness: where even that errs beyond the tolerance, the run is not judged.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from towage.checks.check import Check, Component, Finished
+from towage.checks.wire_cost import Line, cost_of
 from towage.result.records import Finding, Item, Margin
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from towage.models.heave.elastic_bar import Path
     from towage.result.result import Result
-
-    Array = NDArray[np.float64]
 
 NAME = "wire"
 MARGIN = "margin_wire"
@@ -37,56 +31,11 @@ UNKNOWN = "wire, not judged"
 """Findings on lines whose mass, whose load or whose chaos leaves nothing to compare: "warning" if the run is not judged then."""
 DEFAULT_TOLERANCE = 0.05
 """Where no check sets one."""
-ROOM = 1.1
-"""Bound over the error that is computed, to which `GROWS` times that error is added: harmonics of the drag and the frequencies
-beside the one at which the bar is exact count the more, the more the wire does."""
-GROWS = 0.5
 STEEL = 3300.0
 """Speed of waves, m/s, in wire rope of steel: E of the rope near 85 GPa on 7850 kg/m3. Polyester and nylon have 600 to 1500:
 their mass is larger for the same stiffness and length."""
-PARTS = 0.1
-"""omega h, h the step of the integration, for the load on its line."""
-MOST_STEPS = 200_000
-ENERGY = 0.98
-"""The bar is exact at the frequency below which this share of the energy of the top's acceleration lies."""
-LOBE = 3.0
-"""Half the width of a single frequency in the spectrum, in lines: two of Hann's window, and its place between lines."""
 AGREES = 0.1
 """rms over standard deviation up to which the load of the run moves as its mass, drag and line say."""
-
-
-@dataclass(frozen=True)
-class Cost:
-    """Relative errors of the spring against the bar, ``time`` of the largest difference in tension, s, and omega L/c."""
-
-    motion: float
-    tension: float
-    time: float
-    angle: float
-
-    @property
-    def error(self) -> float:
-        """The bound."""
-        error = float(max(self.motion, self.tension))
-        return error * (ROOM + GROWS * error)
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line of the scene: ``top``, the output that moves its upper end; ``heave``, that of the load, empty if it is not
-    known; masses of the load during the run, kg; drag factor, kg/m; K, N/m; m L, kg, or 0; its length, m; W, N; start (m,
-    m/s)."""
-
-    name: str
-    top: str
-    heave: str
-    masses: tuple[float, ...]
-    drag: float
-    stiffness: float
-    wire: float
-    length: float
-    weight: float
-    start: tuple[float, float]
 
 
 def lines(run: Finished) -> list[Line | Finding]:
@@ -116,7 +65,8 @@ def lines(run: Finished) -> list[Line | Finding]:
         drag = units[body].constant("drag_factor") or 0.0
         top = sources[name, "heave_top"][1]
         length = unit.constant("length") or 0.0
-        found.append(Line(name, top, heave, load, drag, stiffness, mass, length, weight or 0.0, start))
+        damping = unit.constant("wire_damping") or 0.0
+        found.append(Line(name, top, heave, load, drag, stiffness, mass, length, weight or 0.0, start, damping))
     return found
 
 
@@ -163,116 +113,37 @@ def judged(run: Finished, line: Line, settle: float, tolerance: float) -> Findin
             if float(np.sqrt(np.mean((heave - own) ** 2))) > AGREES * float(own.std()) + 1e-9 * float(np.ptp(motion)):
                 text = "the load does not move as its mass, drag and line say: other forces act on it"
                 return Finding(UNKNOWN, "info", None, tolerance, f"the mass of the wire of {line.name} is not judged: {text}")
-    cost = max(costs, key=lambda cost: cost.error)
-    beyond = cost.error > tolerance
+    cost = max(costs, key=lambda cost: cost.bound)
+    beyond, rings = cost.error > tolerance, cost.bound > tolerance
     load = min(line.masses)
     facts = (
         f"a spring without mass errs by {100 * cost.motion:.2g} % in motion and {100 * cost.tension:.2g} % in tension, limit "
         f"{100 * tolerance:.3g} % (omega L/c = {cost.angle:.2g}, wire of {wire:.3g} kg, load of {load:.3g} kg)"
     )
+    if cost.snaps:
+        facts += f", and with the waves of earlier snaps, at a wire_damping of {line.damping:.3g}, up to {100 * cost.bound:.2g} %"
     if not known:
         text = (
             f"the mass of {line.name} is not given; as a wire rope of steel of {line.length:.4g} m (others are heavier for their "
             f"stiffness), {facts}"
         )
         remedy = f"give {line.name}.mass_per_length (and length)"
-        return Finding(UNKNOWN, "warning" if beyond else "info", cost.error, tolerance, text, remedy)
+        return Finding(UNKNOWN, "warning" if rings else "info", cost.bound, tolerance, text, remedy)
     if chaotic and beyond:
         text = f"the motion is chaotic, and in this run of {line.name} {facts}: its statistics are not known well enough"
         return Finding(UNKNOWN, "warning", cost.error, tolerance, text, "run longer")
-    remedy = f"take the wire unit: omega L/c = {cost.angle:.2g}" if beyond else ""
+    remedy = f"take the wire unit: omega L/c = {cost.angle:.2g}" if rings else ""
     variable = f"{line.name}.{MARGIN}"
     decides = variable not in run.scene.scene.checks.report_only
+    word: Any = ""
+    reason = ""
+    if rings and not beyond:
+        remedy, word = f"give {line.name}.wire_damping, if it is larger, or {remedy}", "marginal"
+        reason = f"{line.name} goes slack, and the waves of its snaps have not died out before the next: {facts}"
     run.result.margins.append(
-        Margin(variable, 1.0 - cost.error / tolerance, cost.time, decides, error=cost.error, limit=tolerance, remedy=remedy)
+        Margin(variable, 1.0 - cost.bound / tolerance, cost.time, decides, word, reason, cost.bound, tolerance, remedy)
     )
-    return Finding(NAME, "warning" if beyond else "ok", cost.error, tolerance, f"{line.name}: {facts}", remedy)
-
-
-def cost_of(
-    line: Line, mass: float, wire: float, times: Array, motion: Array, settle: float, statistical: bool
-) -> tuple[Cost, Array]:
-    """The errors for a load of ``mass``, kg, and the heave of the load on the massless spring, m, at ``times``, s, equally
-    spaced, under the ``motion`` of the top, m."""
-    import numpy as np
-    from scipy.interpolate import CubicSpline
-
-    from towage.models.heave import elastic_bar
-
-    if len(times) < 4 or not np.ptp(motion) + abs(line.start[0]) + abs(line.start[1]) > 0.0:
-        return Cost(0.0, 0.0, 0.0, 0.0), np.full(len(times), line.start[0])
-    settled = times >= settle
-    omega = frequency(times[settled], motion[settled])
-    theta = elastic_bar.angle(omega, line.stiffness, wire)
-    between = float(times[1] - times[0])
-    fastest = max(omega, math.sqrt(line.stiffness / mass))
-    parts = max(1, min(math.ceil(between * fastest / PARTS), MOST_STEPS // len(times)))
-    h = between / parts
-    spline = CubicSpline(times, motion)
-    halves = times[0] + 0.5 * h * np.arange(2 * parts * (len(times) - 1) + 1)
-    top, acceleration = spline(halves).tolist(), spline(halves, 2).tolist()
-    first = parts * int(np.argmax(settled))
-
-    def path(m: float) -> Path:
-        lift = elastic_bar.Lift(line.stiffness, m, mass, line.drag, line.weight, omega)
-        return elastic_bar.follow(lift, h, top, acceleration, line.start, first)
-
-    spring = path(0.0)
-    heave = np.array(spring.load[::parts])
-    if theta >= 0.5 * math.pi:
-        return Cost(math.inf, math.inf, float(times[-1]), theta), heave
-    bar = path(wire)
-    impact = bar.impact * math.sqrt(line.stiffness * wire)
-    own = np.array(spring.low)[first:]
-    tension = snap = time = 0.0
-    for values in (bar.top, bar.low):
-        true = np.array(values)[first:]
-        snap = share(impact, float(true.max()) - line.weight)
-        tension = max(tension, snap + apart(own, true, line.weight, statistical))
-        time = float(times[0]) + h * (first + int(np.argmax(np.abs(own - true))))
-    motions = snap + apart(np.array(spring.load)[first:], np.array(bar.load)[first:], None, statistical)
-    return Cost(motions, tension, time, theta), heave
-
-
-def apart(spring: Array, bar: Array, mean: float | None, statistical: bool) -> float:
-    """The largest of the errors of the spring: of the swing, or of the peak above ``mean`` where it is given, and rms of the
-    difference over the standard deviation; ``statistical``, for motions that do not repeat: of the standard deviation and of the
-    mean of the largest tenth of the values. Zero for signals at rest."""
-    import numpy as np
-
-    from towage.checks.signals import relative_change
-
-    spread = float(bar.std())
-    if max(spread, float(spring.std())) <= 1e-12 * max(float(np.abs(bar).max()), float(np.abs(spring).max())):
-        return 0.0
-    if statistical:
-        high = [float(np.sort(values - values.mean())[-max(1, len(values) // 10) :].mean()) for values in (spring, bar)]
-        return max(abs(relative_change(float(spring.std()), spread)), abs(relative_change(*high)))
-    size = (float(np.ptp(spring)), float(np.ptp(bar))) if mean is None else (spring.max() - mean, bar.max() - mean)
-    return max(abs(relative_change(*size)), share(float(np.sqrt(np.mean((spring - bar) ** 2))), spread))
-
-
-def share(value: float, whole: float) -> float:
-    """value / whole; infinite where only ``value`` is not zero."""
-    return value / whole if whole > 0.0 else math.inf if value else 0.0
-
-
-def frequency(times: Array, motion: Array) -> float:
-    """Frequency at which the bar is taken, rad/s: that of the motion where it has one alone, else that below which `ENERGY`
-    of the energy of its acceleration lies; 0 for too few samples."""
-    import numpy as np
-
-    from towage.checks.signals import FEWEST, dominant_frequency
-
-    if len(times) < FEWEST:
-        return 0.0
-    omega = 2.0 * math.pi * np.fft.rfftfreq(len(times), float(times[1] - times[0]))
-    power = np.cumsum((omega**2 * np.abs(np.fft.rfft((motion - motion.mean()) * np.hanning(len(times))))) ** 2)
-    if not power[-1] > 0.0:
-        return 0.0
-    high = float(omega[int(np.searchsorted(power, ENERGY * power[-1]))])
-    single = dominant_frequency(times, motion)
-    return single if single and high - single <= LOBE * omega[1] else high
+    return Finding(NAME, "warning" if rings else "ok", cost.bound, tolerance, f"{line.name}: {facts}", remedy)
 
 
 def item(result: Result) -> Item | None:

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from towage.checks.tow_names import SMALL
 from towage.ensemble.engine import DONE, Engine
 from towage.ensemble.rows import composed, equally_many, refusals, rows
 from towage.errors import RunError, SceneError, suggest
@@ -263,7 +264,8 @@ def measures(
     ensemble = Ensemble(scene, dict(zip(names, table.T)))
     members = ensemble.run(samples=samples, seed=seed, threads=threads)
     margins = [name for name in ensemble.observed if name.partition(".")[2].startswith("margin_")]
-    deciding = [members.low[name] for name in margins if name not in scene.checks.report_only]
+    shown = scene.checks.report_only
+    deciding = [members.low[name] for name in margins if name not in shown and not name.endswith(f".{SMALL}")]
     columns = {"worst_margin": np.min(deciding or [members.low[name] for name in margins], axis=0)} if margins else {}
     columns |= {f"margin:{name}": members.low[name] for name in margins}
     for name in ensemble.observed:

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from towage.checks.margins import item_of
-from towage.checks.tow_names import LINEAR
+from towage.checks.tow_names import LINEAR, SMALL
 from towage.checks.verdict import verdict
 from towage.ensemble.ensemble import Members, measures
 from towage.errors import SceneError
@@ -62,11 +62,11 @@ def by_ensemble(
 
 def _judged(scene: Scene, columns: Mapping[str, Array], members: Members, k: int) -> tuple[str, str]:
     """(verdict, reason) of a member. One that passes its margins is not valid if a check that the scene asks for was not
-    made."""
+    made. The rough sign of a linear tow decides nothing."""
     if members.message[k]:
         return "not judged", members.message[k]
     margins = [
-        Margin(name, float(values[k]), np.nan, name not in scene.checks.report_only)
+        Margin(name, float(values[k]), np.nan, name not in scene.checks.report_only and not name.endswith(f".{SMALL}"))
         for name, values in ((name.removeprefix(_MARGIN), v) for name, v in columns.items() if name.startswith(_MARGIN))
     ]
     judged = verdict([item_of(margins)])
@@ -84,7 +84,7 @@ def _left_out(scene: Scene) -> str:
     names = [*(name for name in known if name in asked), *(name for name in asked if name not in known)]
     asking = [known.get(name, f"check {name}") for name in names]
     if any(Path(unit.fmu).stem in LINEAR for unit in scene.units.values()):
-        asking.append("error of the linear tow")
+        asking.append("error of the linear tow, of which its margin is a rough sign")
     return " and the ".join(asking)
 
 

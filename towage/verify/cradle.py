@@ -49,7 +49,8 @@ def dimensionless_system(
         ),
         line=spring_line.Parameters(
             stiffness=stiffness, axial_stiffness=0.0, length=0.0, breaking_load=0.0, mass_per_length=0.0,
-            weight_per_length=0.0, wave_speed=0.0, never_slack=float(w is None), freeze_branches=0.0, static_tension=weight,
+            weight_per_length=0.0, wave_speed=0.0, wire_damping=0.0,
+            never_slack=float(w is None), freeze_branches=0.0, static_tension=weight,
         ),
         cradle=cradle.Parameters(
             mass=mass, added_mass=0.0, weight_in_water=weight, drag_area=1.0, drag_coefficient=1.0,

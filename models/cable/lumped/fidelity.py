@@ -85,13 +85,17 @@ def choose(
     counted = 2 if with_body and tow.quadrant == 1 else 4
     target = tolerance if not reduced else 0.6 * tolerance
     count = nodes or hanging(tow_used).count
+    model = build(tow_used, count)
     for _ in range(5):
-        model = build(tow_used, count)
         gains = np.array([_gains(model, omega) for omega in frequencies])
         error = relative_error(gains, exact, counted)
         if nodes or error <= target or count >= MOST:
             break
-        count = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
+        more = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
+        try:
+            model, count = build(tow_used, more), more
+        except CableError:
+            break  # a light body may hang with some numbers of segments alone; the error says what is left
     full = model if with_body else ends_together(cable_elastic(tow_used, max(count, 2)), numbers())
     final = full
     if reduced:

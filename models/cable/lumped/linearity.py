@@ -40,8 +40,9 @@ TAPER, REST = 0.1, 0.25
 """After its end a drive dies out over the first share of its length, and nothing moves for the second one."""
 PARTS = 4
 """Peaks are looked for at so many times as many times as the corrections have."""
-DECAY = 5.0
-"""What is left of the end at the start is e^-5 of it: no trace of a motion that is still ringing."""
+DECAY = 8.0
+"""What is left of the end at the start is e^-8 of it: no trace of a motion that is still ringing. With e^-5 a slightly damped
+tow at its resonance was 2 % off; e^-12 changes 0.05 %."""
 ENOUGH, SHRINKS = 1e-3, 0.7
 """Corrections smaller than the first, or that shrink by the second, are followed to their end."""
 
@@ -51,7 +52,8 @@ class Linearity:
     """Relative errors of the linear model: ``tension_top``, ``tension_body``, ``motion`` of the body about its mean; ``bound``
     of the largest; ``rise``, ``ahead``: mean shift of the body, up and forward, m; ``heave``: linear amplitude of its heave,
     m; ``time``, s, of the largest error of the tension at the top. ``followed``: the corrections converge, else the errors
-    are those of the last that made sense, and may be larger."""
+    are those of the last that made sense, and may be larger. ``model``: the largest difference of a model's own motion to the
+    linear one, likewise relative, where it was given."""
 
     tension_top: float
     tension_body: float
@@ -62,6 +64,7 @@ class Linearity:
     heave: float
     time: float
     followed: bool
+    model: float = 0.0
 
     @property
     def error(self) -> float:
@@ -93,12 +96,16 @@ def regular(tow: Tow, quadratic_drag: bool, amplitudes: ComplexArray, omega: flo
     return _judged(made, top, np.linspace(0.0, step * (PERIOD_POINTS - 1), PERIOD_POINTS), 0.0)
 
 
-def recorded(tow: Tow, quadratic_drag: bool, time: Array, drive: Array, settle: float) -> Linearity:
+def recorded(
+    tow: Tow, quadratic_drag: bool, time: Array, drive: Array, settle: float, own: Array | None = None, segments: int = SEGMENTS,
+) -> Linearity:  # fmt: skip
     """Of a ``drive`` (4, n), as `regular` has it, at equally spaced times (n,), s, from the steady tow at the first one; judged
-    from ``settle`` on. Only the largest part of a drive that is too long for `MOST_NUMBERS` is followed. Raises `CableError`."""
+    from ``settle`` on. Only the largest part of a drive that is too long for `MOST_NUMBERS` is followed. ``own`` (4, n): what
+    a linear model of ``segments`` made of the drive, changes of the tensions at top and body, N, and motion of the body, m;
+    so many are taken, where the drive is short enough for them. Raises `CableError`."""
     from scipy.interpolate import CubicSpline  # takes long to load, and a unit may never ask
 
-    chain = hanging(tow, SEGMENTS)
+    times = time
     if _still(tow, drive):
         return RIGHT
     if len(time) < FEWEST_TIMES:
@@ -108,6 +115,8 @@ def recorded(tow: Tow, quadratic_drag: bool, time: Array, drive: Array, settle: 
     stride = int(min(max(1.0, wanted / (time[1] - time[0])), max(1, len(time) // FEWEST_TIMES)))
     time, drive = time[::stride], drive[:, ::stride]
     step = float(time[1] - time[0])
+    fine_enough = int(0.5 * math.sqrt(MOST_NUMBERS / (KEPT * (1.0 + REST + TAPER) * len(time))))
+    chain = hanging(tow, max(SEGMENTS, min(segments, fine_enough)))
     most = int(min(MOST_TIMES, MOST_NUMBERS / (2 * chain.count) ** 2 / KEPT) / (1.0 + REST + TAPER))
     kept = _largest(time, drive, settle, most)
     time, drive = time[kept], drive[:, kept]
@@ -122,7 +131,15 @@ def recorded(tow: Tow, quadratic_drag: bool, time: Array, drive: Array, settle: 
     fine = np.linspace(time[0], time[-1], PARTS * (len(time) - 1) + 1)
     top = CubicSpline(time, drive[:2], axis=1).antiderivative()(fine)
     linear, *corrected = (_finer(engine, motion) for motion in (made.linear, *made.corrected))
-    return _judged(replace(made, linear=linear, corrected=tuple(corrected)), top, fine, settle)
+    found = _judged(replace(made, linear=linear, corrected=tuple(corrected)), top, fine, settle)
+    if own is None or kept.start:
+        return found
+    # what was before a part that is followed alone is in the model's motion, and not in this one
+    values = CubicSpline(times, own, axis=1)(fine)
+    model = Motion(values[0], values[1], values[2:] - top)
+    late = slice(int(np.searchsorted(fine, settle)), len(fine))
+    one, two = (_of(motion, top, len(fine), late) for motion in (model, linear))
+    return replace(found, model=max(apart(one, two, two)))
 
 
 def _finer(engine: Picard, motion: Motion) -> Motion:

@@ -55,7 +55,7 @@ BODY_HEAVE = output("m", "Displacement of the body from the steady tow, up", dis
 BodySurge = Annotated[Value, BODY_SURGE]
 BodyHeave = Annotated[Value, BODY_HEAVE]
 MarginSmallPerturbation = Annotated[
-    Value, margin("1 - v / (perturbation_limit c), v the speed of the towpoint", also=EVERY_INPUT)
+    Value, margin("a rough sign, no bound: 1 - v / (perturbation_limit c), v the speed of the towpoint", also=EVERY_INPUT)
 ]
 MarginSlack = Annotated[Value, margin("1 - max |T1| / T0 over the segments", also=EVERY_INPUT)]
 MarginQuadrant = Annotated[
