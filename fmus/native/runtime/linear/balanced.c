@@ -43,7 +43,7 @@ static void weigh(const Measure *m, double *b, double *c, int n)
     for (int f = 0; f < FREQUENCIES; f++)
         for (int j = 0; j < m->inputs; j++)
             for (int i = 0; i < COMPARED; i++) {
-                const double size = cabs(m->exact[(f * m->inputs + j) * COMPARED + i]);
+                const double size = magnitude(m->exact[(f * m->inputs + j) * COMPARED + i]);
                 if (j < 2)
                     out[i] = fmax(out[i], size);
                 else if (i < 2)

@@ -83,7 +83,7 @@ bool schur(int n, Complex *t, Complex *u)
         const int right = u ? n : last + 1, top = u ? 0 : first;
         Complex x = T(first, first) - s, y = T(first + 1, first);
         for (int k = first; k < last; k++) {
-            const double r = hypot(cabs(x), cabs(y));
+            const double r = hypot(magnitude(x), magnitude(y));
             if (!isfinite(r)) return false;
             const Complex c = r > 0.0 ? x / r : 1.0, z = r > 0.0 ? y / r : 0.0, cc = conj(c), zc = conj(z);
             /* rows k, k+1 by G = [c* z*; -z c], columns by its adjoint */

@@ -3,6 +3,7 @@
 #define TOWAGE_EIGEN_H
 
 #include <complex.h>
+#include <math.h>
 #include <stdbool.h>
 
 typedef double _Complex Complex;
@@ -16,6 +17,9 @@ static inline Complex times(Complex a, Complex b)
     } product = {{creal(a) * creal(b) - cimag(a) * cimag(b), creal(a) * cimag(b) + cimag(a) * creal(b)}};
     return product.value;
 }
+
+/* cabs, which Wine has not. */
+static inline double magnitude(Complex z) { return hypot(creal(z), cimag(z)); }
 
 /* A becomes H = Q' A Q, upper Hessenberg, by Householder reflections; Q n by n or NULL. work: n. */
 void hessenberg(int n, double *a, double *q, double *work);

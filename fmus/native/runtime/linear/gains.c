@@ -49,8 +49,9 @@ double relative_error(const Complex *values, const Complex *reference, int input
     double worst = 0.0;
     /* input by input, the two rows of a pair are next to each other */
     for (int at = 0; at < FREQUENCIES * inputs * COMPARED; at += 2) {
-        const double size = fmax(cabs(reference[at]), cabs(reference[at + 1]));
-        const double first = cabs(values[at] - reference[at]), second = cabs(values[at + 1] - reference[at + 1]);
+        const double size = fmax(magnitude(reference[at]), magnitude(reference[at + 1]));
+        const double first = magnitude(values[at] - reference[at]),
+                     second = magnitude(values[at + 1] - reference[at + 1]);
         if (!is_finite(first + second)) return INFINITY;
         if (size > 0.0) worst = fmax(worst, fmax(first, second) / size);
     }

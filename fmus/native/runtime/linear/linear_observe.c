@@ -62,7 +62,7 @@ static int leading(int n, const Complex *values, double limit)
 {
     int place = -1;
     for (int i = 0; i < n; i++)
-        if (cabs(values[i]) < limit && (place < 0 || creal(values[i]) > creal(values[place]))) place = i;
+        if (magnitude(values[i]) < limit && (place < 0 || creal(values[i]) > creal(values[place]))) place = i;
     return place;
 }
 

@@ -44,15 +44,15 @@ static double importance_of(const Measure *m, Complex value, const Complex *left
     double importance = 0.0;
     for (int f = 0; f < FREQUENCIES; f++) {
         const Complex at = -m->omega[f] * _Complex_I, ratio = at / value;
-        const double rest = cabs(times(ratio, ratio) / (at - value));
+        const double rest = magnitude(times(ratio, ratio) / (at - value));
         for (int i = 0; i < m->inputs; i++) {
             double strength = 0.0, whole = DBL_MIN;
             for (int row = 0; row < COMPARED; row++) {
                 /* |left| |right| over the gain, input by input; the largest of each */
-                whole = fmax(whole, cabs(m->exact[(f * m->inputs + i) * COMPARED + row]));
-                strength = fmax(strength, cabs(right[row]));
+                whole = fmax(whole, magnitude(m->exact[(f * m->inputs + i) * COMPARED + row]));
+                strength = fmax(strength, magnitude(right[row]));
             }
-            importance = fmax(importance, rest * strength * cabs(left[i]) / whole * width);
+            importance = fmax(importance, rest * strength * magnitude(left[i]) / whole * width);
         }
     }
     return importance;
@@ -79,9 +79,9 @@ bool modal_basis(const Measure *m, Basis *basis, double *room)
         const int width = cimag(values[j]) > 0.0 ? 2 : 1;
         int largest = 0;
         for (int i = 1; i < n; i++)
-            if (cabs(v[i + j * n]) > cabs(v[largest + j * n])) largest = i;
+            if (magnitude(v[i + j * n]) > magnitude(v[largest + j * n])) largest = i;
         /* the phase of a vector is free: that of a real mode is such that it is real */
-        const Complex phase = v[largest + j * n] / cabs(v[largest + j * n]);
+        const Complex phase = v[largest + j * n] / magnitude(v[largest + j * n]);
         for (int i = 0; i < k; i++) left[i] = times(turned[j + i * n], phase);
         for (int i = 0; i < r; i++) {
             right[i] = 0.0;

@@ -48,7 +48,7 @@ Outcome compare(Instance *it)
 
 static int by_size(const void *a, const void *b)
 {
-    const double x = cabs(*(const Complex *)a), y = cabs(*(const Complex *)b);
+    const double x = magnitude(*(const Complex *)a), y = magnitude(*(const Complex *)b);
     return (x > y) - (x < y);
 }
 
@@ -73,8 +73,8 @@ static bool resolved(const Instance *it, const double *finer, double s, Complex 
         if (cimag(wanted[i]) < 0.0) continue;
         seen++;
         double nearest = INFINITY;
-        for (int j = 0; j < l->layout.states; j++) nearest = fmin(nearest, cabs(own[j] - wanted[i]));
-        if (cabs(wanted[i]) < below && !(nearest <= r->error * cabs(wanted[i]))) return false;
+        for (int j = 0; j < l->layout.states; j++) nearest = fmin(nearest, magnitude(own[j] - wanted[i]));
+        if (magnitude(wanted[i]) < below && !(nearest <= r->error * magnitude(wanted[i]))) return false;
     }
     return true;
 }
