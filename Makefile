@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
 
-.PHONY: run native test test-all faults fool fuzz lint bench docs wheel clean
+.PHONY: run native test test-all faults hosts fool fuzz lint bench docs wheel clean
 run: $(VENV)/installed dist/built          ## build the FMUs, run the Sea Cliff scene, write out/sea_cliff/report.html
 	$(BIN)/towage run sea_cliff --fmus dist
 
@@ -26,6 +26,9 @@ faults: $(VENV)/installed-test             ## inject every known fault; the tabl
 fool: $(VENV)/installed-test dist/built    ## 5000 random heave scenes and 300 tows against the verdict; goes on where it was stopped
 	$(BIN)/python -m tests.verdict.fool heave --count 5000 --jobs $(JOBS)
 	$(BIN)/python -m tests.verdict.fool tows --count 300 --jobs $(JOBS)
+
+hosts: $(VENV)/installed-test              ## every scene and unit in every other host that is here; the tables of docs/hosts.md
+	$(BIN)/python -m tests.hosts.table
 
 fuzz: $(VENV)/installed-test               ## mutated inputs at every door for an hour; SEED=n, SECONDS=n
 	$(BIN)/python -m tests.faults.fuzz --seconds $(or $(SECONDS),3600) --seed $(or $(SEED),1)

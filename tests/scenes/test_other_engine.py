@@ -6,47 +6,22 @@ nothing else: values, connections and the step come from the files.
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
 
-from towage.export.export import TICKS, prepare
-from towage.export.osp import write_osp
-from towage.export.ssp import write_ssp
+from tests.hosts.jobs import HOSTS, ours, short, system_job
 from towage.fmus.describe import archive as archive_writer
-from towage.master.master import Master
-from towage.result.result import Result
 from towage.scene.flavour import Flavour, resolve
-from towage.scene.scene import Checks, Coupling, Record, Scene, available_scenes
+from towage.scene.scene import Scene, available_scenes
 from towage.units.store import locator
 
-pytest.importorskip("libcosimpy")
+LIBCOSIM = next(host for host in HOSTS if host.name == "libcosim")
+if LIBCOSIM.missing():
+    pytest.skip(LIBCOSIM.missing(), allow_module_level=True)
 
-PROGRAM = """
-import json, sys
-from libcosimpy.CosimEnums import CosimVariableType
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
-from libcosimpy.CosimObserver import CosimObserver
-
-job = json.load(sys.stdin)
-log_output_level(CosimLogLevel.ERROR)
-make = CosimExecution.from_osp_config_file if job["kind"] == "osp" else CosimExecution.from_ssp_file
-execution = make(job["path"])
-observer = CosimObserver.create_time_series()
-assert execution.add_observer(observer)
-watched = [(execution.slave_index_from_instance_name(unit), reference) for unit, reference in job["watch"]]
-for index, reference in watched:
-    assert observer.start_time_series(index, reference, CosimVariableType.REAL)
-assert execution.step(job["steps"]), "libcosim refused a step"
-series = [observer.time_series_real_samples(index, reference, 1, job["steps"]) for index, reference in watched]
-print(json.dumps([series[0][0], [values for _, _, values in series]]))
-"""
 ROUND_OFF = 1e-12
 """Relative to a variable's largest value: both engines do the same operations, only times differ by a rounding."""
 AMPLIFIED = {"tow_heavy_weather": 1e-10, "slender_speed_ramp": 1e-11, "tow_two_units": 1e-11}
@@ -54,8 +29,6 @@ AMPLIFIED = {"tow_heavy_weather": 1e-10, "slender_speed_ramp": 1e-11, "tow_two_u
 anew as the speed changes (5.6e-13), and in the force between a cable and its body, Python flavour (1.2e-12)."""
 STEPS = 40
 LONG = 100
-LOOSE_STEP = 0.1
-"""Step, s, of scenes that leave theirs to the error control."""
 STEADY = {"tow_two_units": 0.02, "voyage_tow": 0.05}
 """Steps, s, at which an order is seen: at 0.25 s of voyage_tow the energy that held inputs make soon rules; at 0.05 s
 the stiff cable between two units has not come to its first order yet."""
@@ -108,8 +81,8 @@ def test_converted_connections(kind: str, tmp_path: Path) -> None:
     units = {**scene.units, "ship": msgspec.structs.replace(scene.units["ship"], fmu=str(ship))}
     scene = msgspec.structs.replace(scene, units=units)
     assert resolve(scene, flavour="python").connections[0].factor == 0.3048
-    metres = run(short("sea_cliff", STEPS), "jacobi", "python")
-    assert np.max(np.abs(run(scene, "jacobi", "python")["line.tension"] - metres["line.tension"])) > 1.0  # N
+    metres = ours(short("sea_cliff", STEPS), "jacobi", "python")
+    assert np.max(np.abs(ours(scene, "jacobi", "python")["line.tension"] - metres["line.tension"])) > 1.0  # N
     equal(scene, "python", kind, tmp_path / "exported", ROUND_OFF)
 
 
@@ -132,7 +105,7 @@ def first_order(name: str, steps: int, directory: Path) -> dict[str, float]:
     An error C H + D H^2 changes by C H / 2 + 3 D H^2 / 4 when the step is halved: the share is 2 where the first order
     rules, and 4/3 where the second does."""
     scene = short(name, steps, STEADY.get(name))
-    exact, half = run(scene, scene.coupling.scheme, "auto"), run(scene, "jacobi", "auto", share=0.5)
+    exact, half = ours(scene, scene.coupling.scheme, "auto"), ours(scene, "jacobi", "auto", share=0.5)
     found = {}
     for signal, values in libcosim(scene, "auto", "osp", directory).items():
         change = float(np.max(np.abs(values - half[signal][1:])))
@@ -151,56 +124,15 @@ def compare(name: str, steps: int, flavour: Flavour, kind: str, directory: Path)
 
 def equal(scene: Scene, flavour: Flavour, kind: str, directory: Path, tolerance: float) -> None:
     """Every output of every unit, at every step."""
-    ours, theirs = run(scene, "jacobi", flavour), libcosim(scene, flavour, kind, directory)
+    result, theirs = ours(scene, "jacobi", flavour), libcosim(scene, flavour, kind, directory)
     assert theirs
     for name, values in theirs.items():
-        expected = ours[name][1:]
+        expected = result[name][1:]
         assert len(values) == len(expected)
         assert np.max(np.abs(values - expected)) <= tolerance * np.max(np.abs(expected)), name
 
 
-def short(name: str, steps: int, step: float | None = None) -> Scene:
-    """The first steps of a shipped scene, with all its outputs recorded and nothing judged."""
-    scene = Scene.load(name)
-    step = step or scene.coupling.step or LOOSE_STEP
-    coupling = Coupling(scene.coupling.scheme, step, error_estimate=False)
-    record = Record(interval=step)
-    return msgspec.structs.replace(
-        scene, coupling=coupling, stop_time=steps * step, record=record, checks=Checks(), cases=()
-    )
-
-
-def run(scene: Scene, scheme: str, flavour: Flavour, share: float = 1.0) -> Result:
-    """In our master, with ``share`` of the step."""
-    step = (scene.coupling.step or 0.0) * share
-    coupling = msgspec.structs.replace(scene.coupling, scheme=scheme, step=step)  # type: ignore[arg-type]
-    result = Master(msgspec.structs.replace(scene, coupling=coupling), None, None, flavour).run()
-    assert result.status == "done", result.message
-    return result
-
-
 def libcosim(scene: Scene, flavour: Flavour, kind: str, directory: Path) -> dict[str, np.ndarray]:
     """All Real outputs at the end of every step."""
-    resolved = resolve(scene, flavour=flavour)
-    export = prepare(resolved)
     directory.mkdir(exist_ok=True)
-    path = directory / "scene.ssp" if kind == "ssp" else directory
-    if kind == "ssp":
-        write_ssp(export, path)
-    else:
-        write_osp(export, path)
-    steps = round(scene.stop_time / export.step)
-    watch = [(unit, export.variable(unit, name).value_reference) for unit, name in resolved.record]
-    job = {"kind": kind, "path": str(path), "steps": steps, "watch": watch}
-    finished = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        input=json.dumps(job),
-        capture_output=True,
-        text=True,
-        cwd=directory,
-        timeout=600,
-    )
-    assert finished.returncode == 0, finished.stdout[-2000:] + finished.stderr[-2000:]
-    ticks, series = json.loads(finished.stdout.splitlines()[-1])
-    assert ticks == [(k + 1) * round(export.step * TICKS) for k in range(steps)]
-    return {f"{unit}.{name}": np.array(values) for (unit, name), values in zip(resolved.record, series, strict=True)}
+    return LIBCOSIM.run(system_job(scene, flavour, directory, kind))[1]
