@@ -89,8 +89,8 @@ def main() -> int:
     failed = play(units, given, journal)
     print("| unit | calls | accepted | turns | a second |\n|---|---|---|---|---|")
     for unit in units:
-        counts = unit.counts
-        print(f"| {unit.name} | {counts['calls']} | {counts['accepted']} | {counts['turns']} | {counts['calls'] / max(unit.spent, 1e-9):.2g} |")
+        calls, accepted, turns = (unit.counts[key] for key in ("calls", "accepted", "turns"))
+        print(f"| {unit.name} | {calls} | {accepted} | {turns} | {calls / max(unit.spent, 1e-9):.2g} |")
     print(f"\n{sum(u.counts['calls'] for u in units):.3g} calls of {len(units)} programs, seed {given.seed}, {failed} failed")
     return int(failed > 0)
 
