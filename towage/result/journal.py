@@ -158,7 +158,7 @@ def read(file: IO[bytes]) -> Kept | None:
 def _take(kept: Kept, tag: bytes, said: Any) -> None:
     """What a frame of JSON says. Raises ValueError and TypeError where it is none of towage's."""
     if tag == b"E":
-        kept.events.append(Event(**said))
+        kept.events.append(msgspec.convert(said, Event))
     elif tag == b"M":
         kept.messages.append(msgspec.convert(said, Message))
     else:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from towage.files import atomic_write
+from towage import reading
+from towage.files import atomic_write, sealed, unsealed
 from towage.units.store import cache
 
 LIMITED = ("noise", "state")
@@ -16,7 +15,7 @@ LIMITED = ("noise", "state")
 
 
 def _place(path: Path) -> Path:
-    return cache() / "vetted" / f"{hashlib.sha256(path.read_bytes()).hexdigest()[:32]}.json"
+    return cache() / "vetted" / f"{reading.digest(path)[:32]}.json"
 
 
 def write(path: Path, document: Mapping[str, Any]) -> None:
@@ -24,13 +23,14 @@ def write(path: Path, document: Mapping[str, Any]) -> None:
     place = _place(path)
     place.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(place) as stream:
-        stream.write(json.dumps(document).encode())
+        stream.write(sealed(document))
 
 
 def stays(path: Path) -> str:
-    """Why the FMU at ``path`` is not to go back to a saved state, as it was found; "" if nothing is known against it."""
+    """Why the FMU at ``path`` is not to go back to a saved state, as it was found; "" if nothing is known against it, or what
+    was kept was changed."""
     try:
-        trials = json.loads(_place(path).read_text("utf-8"))["trials"]
+        trials = unsealed(_place(path).read_bytes())["trials"]
         return next((f"was vetted: {t['message']}" for t in trials if t["name"] in LIMITED and t["level"] == "warning"), "")
     except (OSError, ValueError, KeyError, TypeError):
         return ""
