@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
+import math
 import re
 import resource
 import subprocess
@@ -104,7 +105,7 @@ def play(units: list[Unit], given: argparse.Namespace, journal: Path) -> int:
             break
         unit = min(left, key=lambda u: u.spent)
         try:
-            done = unit.slice(given.seed, int(missing))
+            done = unit.slice(given.seed, math.ceil(missing / len(left)))
         except RuntimeError as error:
             print(error, file=sys.stderr)
             failed += 1

@@ -37,15 +37,15 @@ file = "input.nc"
 """
 
 
-def doors(folder: Path, door: Callable[[str, str, list[bytes], Callable[[Path], object]], Any]) -> list[Any]:
+def doors(folder: Path, door: Callable[..., Any]) -> list[Any]:
     """All of them; seeds are made in ``folder``."""
     made = [
         door(name, ".nc", [_netcdf(folder / "seed.nc", kind) for kind in kinds], partial(_route, library="netCDF4"))
         for name, kinds in KINDS.items()
     ]
     if importlib.util.find_spec("cfgrib"):
-        made.append(door("forecast_grib", ".nc", [_grib()], partial(_route, library="cfgrib")))
-    return [*made, door("forecast_started", ".nc", [_netcdf(folder / "seed.nc", "NETCDF4")], partial(_route, library=""))]
+        made.append(door("forecast_grib", ".nc", [_grib()], partial(_route, library="cfgrib"), 0.1))
+    return [*made, door("forecast_started", ".nc", [_netcdf(folder / "seed.nc", "NETCDF4")], partial(_route, library=""), 0.05)]
 
 
 def _netcdf(path: Path, kind: Any) -> bytes:

@@ -37,12 +37,14 @@ Take = Callable[[Path], object]
 
 
 class Door(NamedTuple):
-    """``seeds``: sound inputs; ``take`` reads a file; ``suffix`` is its name's end."""
+    """``seeds``: sound inputs; ``take`` reads a file; ``suffix`` is its name's end; ``share``: of the inputs of other doors, for
+    one that is slow."""
 
     name: str
     suffix: str
     seeds: list[bytes]
     take: Take
+    share: float = 1.0
 
 
 def mutated(data: bytes, chance: random.Random) -> bytes:
@@ -177,19 +179,20 @@ def fuzz(seconds: float, count: int, seed: int, names: list[str]) -> int:
         totals: dict[str, Counter[str]] = {door.name: Counter() for door in chosen}
         peaks = dict.fromkeys(totals, 0)
         size = max(1, min(BATCH, count // len(chosen)))
-        until, done, begin = time.monotonic() + seconds, 0, 0
+        until, done, begins = time.monotonic() + seconds, 0, dict.fromkeys(totals, 0)
         while time.monotonic() < until and done < count:
             for door in chosen:
                 place = folder / "batch"
                 place.mkdir()
-                counts, peak = batch(door, seed, begin, size, place)
+                some = max(1, round(size * door.share))
+                counts, peak = batch(door, seed, begins[door.name], some, place)
+                begins[door.name] += some
                 shutil.rmtree(place)
                 totals[door.name] += counts
                 peaks[door.name] = max(peaks[door.name], peak)
                 done += sum(counts.values())
                 if time.monotonic() > until or done >= count:
                     break
-            begin += size
         print(
             f"{done} inputs, seed {seed}\n\n| door | taken | refused | failed | most memory, MB |\n|---|---|---|---|---|"
         )
