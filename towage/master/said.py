@@ -47,7 +47,7 @@ def after(system: System, settings: Settings, run: Run) -> list[Finding]:
     apart = [unit.lacks for unit in system.units if unit.lacks is not None]
     if lacks := dict.fromkeys(word for words in apart for word in words):
         message = f"units in processes of their own that the system does not keep from {'; '.join(lacks)}"
-        findings.append(Finding("isolation", "warning", None, None, message, "run on Linux 6.12 or newer, or where it is enabled"))
+        findings.append(Finding("isolation", "warning", None, None, message, "take Linux 6.12 or newer, with both enabled"))
     elif apart:
         message = "a process a unit: it writes in its folder alone, has no network, and reaches no other process"
         findings.append(Finding("isolation", "info", None, None, message))
