@@ -9,7 +9,6 @@ command that makes its calls again.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import math
 import re
@@ -33,9 +32,7 @@ class Unit:
     """The program of a unit, and what of its calls was made: ``turns`` of a slice, ``slices`` done."""
 
     def __init__(self, name: str, folder: Path, flags: tuple[str, ...]) -> None:
-        self.name, self.program = name, program(name, folder, *flags)
-        sources = sorted([*(folder / name).iterdir()], key=str)
-        self.digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+        self.name, (self.program, self.digest) = name, program(name, folder, *flags)
         self.turns, self.slices, self.spent = FIRST, 0, 0.0
         self.counts: Counter[str] = Counter()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -39,12 +40,18 @@ def usable(unit: Unit) -> Unit:
     return replace(unit, parameters=parameters, inputs=inputs)
 
 
-def program(name: str, directory: Path, *flags: str) -> Path:
-    """The program for a unit of `ALL`, made in ``directory``."""
+def program(name: str, directory: Path, *flags: str) -> tuple[Path, str]:
+    """The program for a unit of `ALL`, made in ``directory`` if it is not there already, and the digest of its sources."""
     base, structure = LINEAR.get(name, (name, {}))
     traced = trace(linear_example.UNIT if name == EXAMPLE else usable(load(base)), structure)
-    sources = [*HOST.glob("fuzz*.c"), *write_sources(traced, directory / name)]
-    return compile_c(sources, directory / f"fuzz_{name}", "-std=c99", *flags, f"-I{directory / name}")
+    sources = [*sorted(HOST.glob("fuzz*.[ch]")), *write_sources(traced, directory / name)]
+    flags = ("-std=c99", *flags, f"-I{directory / name}")
+    made_from = b"\0".join(path.read_bytes() for path in [*sources, *sorted((directory / name).glob("*.h"))])
+    digest = hashlib.sha256(made_from + repr(flags).encode()).hexdigest()[:16]
+    made = directory / f"fuzz_{name}.{digest}"
+    if not made.exists():
+        compile_c([path for path in sources if path.suffix == ".c"], made, *flags)
+    return made, digest
 
 
 def has_sanitizers(directory: Path) -> bool:

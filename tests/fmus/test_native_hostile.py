@@ -24,7 +24,7 @@ def fuzz(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int, int], 
 
     @cache
     def made(name: str) -> Path:
-        return program(name, directory, *SANITIZERS)
+        return program(name, directory, *SANITIZERS)[0]
 
     def run(name: str, seed: int, turns: int) -> str:
         done = subprocess.run(
