@@ -28,8 +28,9 @@ from towage.process.child import Died, Hung, converse
 from towage.process.overseer import Limits
 from towage.process.unfinished import left, unfinished
 from towage.process.worker import run_isolated
-from towage.result.journal import read_at
+from towage.result.journal import Journal, read_at
 from towage.result.result import Result
+from towage.routing.forecast.contents import opened
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
 from towage.terminal import escaped
@@ -169,6 +170,27 @@ def test_a_journal_with_a_damaged_head_is_put_aside(tmp_path: Path, capsys: pyte
     assert cli.main(["recover", str(tmp_path)]) == 0
     assert "it is kept as" in capsys.readouterr().err
     assert (tmp_path / "slack.damaged_2" / "journal").read_bytes() == data
+
+
+def test_a_journal_that_no_memory_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.unfinished").mkdir()
+    about = Result("", "", "", "done", "", np.zeros(1), {}, {}).metadata()
+    journal = Journal(tmp_path / "a.unfinished" / "journal", ["a.x"], about, 1e-15)
+    journal.row(np.array([100.0, 1.0]).tobytes(), True)
+    journal.close()
+    assert cli.main(["recover", str(tmp_path)]) == 2
+    assert "a.unfinished/journal: a journal up to t = 100 s with a record every 1e-15 s" in capsys.readouterr().err
+    assert left(tmp_path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="POSIX")
+def test_a_pipe_in_the_place_of_a_file_holds_nobody_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.unfinished").mkdir()
+    os.mkfifo(tmp_path / "a.unfinished" / "journal")
+    os.mkfifo(tmp_path / "waves.nc")
+    with pytest.raises(TowageError, match=r"waves\.nc: cannot be read: it is no file"), opened(tmp_path / "waves.nc", []):
+        pass
+    assert cli.main(["recover", str(tmp_path)]) == 0
 
 
 def test_a_journal_of_another_run_is_not_gone_on_with(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -40,12 +40,12 @@ file = "input.nc"
 def doors(folder: Path, door: Callable[..., Any]) -> list[Any]:
     """All of them; seeds are made in ``folder``."""
     made = [
-        door(name, ".nc", [_netcdf(folder / "seed.nc", kind) for kind in kinds], partial(_route, library="netCDF4"))
+        door(name, ".nc", [_netcdf(folder / "seed.nc", kind) for kind in kinds], partial(_route, library="netCDF4"), 0.3)
         for name, kinds in KINDS.items()
     ]
     if importlib.util.find_spec("cfgrib"):
-        made.append(door("forecast_grib", ".nc", [_grib()], partial(_route, library="cfgrib"), 0.1))
-    return [*made, door("forecast_started", ".nc", [_netcdf(folder / "seed.nc", "NETCDF4")], partial(_route, library=""), 0.05)]
+        made.append(door("forecast_grib", ".nc", [_grib()], partial(_route, library="cfgrib"), 0.05))
+    return [*made, door("forecast_started", ".nc", [_netcdf(folder / "seed.nc", "NETCDF4")], partial(_route, library=""), 0.02)]
 
 
 def _netcdf(path: Path, kind: Any) -> bytes:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import itertools
 import json
 import os
 import random
@@ -171,39 +172,38 @@ def batch(door: Door, seed: int, begin: int, count: int, folder: Path) -> tuple[
 
 
 def fuzz(seconds: float, count: int, seed: int, names: list[str]) -> int:
-    """Take the doors in turns until the time or the count is used up; the number of failures."""
-    bad = 0
+    """Take the doors in turns until the time or the count is used up, or Ctrl-C; the number of failures."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         chosen = [door for door in doors(folder) if not names or door.name in names]
         totals: dict[str, Counter[str]] = {door.name: Counter() for door in chosen}
-        peaks = dict.fromkeys(totals, 0)
+        peaks, begins = dict.fromkeys(totals, 0), dict.fromkeys(totals, 0)
         size = max(1, min(BATCH, count // len(chosen)))
-        until, done, begins = time.monotonic() + seconds, 0, dict.fromkeys(totals, 0)
-        while time.monotonic() < until and done < count:
-            for door in chosen:
-                place = folder / "batch"
-                place.mkdir()
+        until = time.monotonic() + seconds
+        with contextlib.suppress(KeyboardInterrupt):
+            for door in itertools.cycle(chosen):
+                if time.monotonic() > until or sum(sum(counts.values()) for counts in totals.values()) >= count:
+                    break
+                place = Path(tempfile.mkdtemp(dir=folder))
                 some = max(1, round(size * door.share))
                 counts, peak = batch(door, seed, begins[door.name], some, place)
                 begins[door.name] += some
                 shutil.rmtree(place)
                 totals[door.name] += counts
                 peaks[door.name] = max(peaks[door.name], peak)
-                done += sum(counts.values())
-                if time.monotonic() > until or done >= count:
-                    break
-        print(
-            f"{done} inputs, seed {seed}\n\n| door | taken | refused | failed | most memory, MB |\n|---|---|---|---|---|"
-        )
-        for door_name, counts in totals.items():
-            failed = {word: n for word, n in counts.items() if word not in ("taken", "refused")}
-            bad += sum(failed.values()) + (peaks[door_name] > MOST)
-            print(
-                f"| {door_name} | {counts['taken']} | {counts['refused']} | {sum(failed.values())} | {peaks[door_name]} |"
-            )
-            for word, n in sorted(failed.items())[:20]:
-                print(f"    {n} x {word}", file=sys.stderr)
+    return told(totals, peaks, seed)
+
+
+def told(totals: dict[str, Counter[str]], peaks: dict[str, int], seed: int) -> int:
+    """Print what became of the inputs of the doors; the number of failures."""
+    bad, done = 0, sum(sum(counts.values()) for counts in totals.values())
+    print(f"{done} inputs, seed {seed}\n\n| door | taken | refused | failed | most memory, MB |\n|---|---|---|---|---|")
+    for name, counts in totals.items():
+        failed = {word: n for word, n in counts.items() if word not in ("taken", "refused")}
+        bad += sum(failed.values()) + (peaks[name] > MOST)
+        print(f"| {name} | {counts['taken']} | {counts['refused']} | {sum(failed.values())} | {peaks[name]} |")
+        for word, n in sorted(failed.items())[:20]:
+            print(f"    {n} x {word}", file=sys.stderr)
     return bad
 
 

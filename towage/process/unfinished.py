@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from towage.errors import TowageError
+from towage.errors import FileError, TowageError
 from towage.files import claimed, in_use, reason
 from towage.master.checkpoint import SUFFIX as CHECKPOINT
 from towage.process.worker import JOURNAL, RESULT
@@ -93,7 +93,7 @@ def _free(name: str, taken: Collection[str]) -> str:
 
 def _damaged(journal: Path) -> bool:
     """Whether a journal has more than a first line, which cannot be read."""
-    with contextlib.suppress(OSError), open(journal, "rb") as file:
+    with contextlib.suppress(OSError), open(journal if journal.is_file() else os.devnull, "rb") as file:
         return file.readline().endswith(b"\n") and bool(file.read(1)) and read(file) is None
     return False
 
@@ -113,7 +113,10 @@ def _result(folder: Path) -> Result | None:
         return None
     if not len(kept.rows):
         return None
-    result = of_journal(kept, "the run was killed")
+    try:
+        result = of_journal(kept, "the run was killed")
+    except TowageError as error:
+        raise FileError(f"{folder / JOURNAL}: {error}") from error
     result.message += f"; the record ends at t = {result.time[-1]:.9g} s" if len(result.time) else ""
     return result
 

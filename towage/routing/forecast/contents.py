@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from towage import reading
 from towage.errors import SceneError
 from towage.files import scratch
 from towage.process.child import Child, Died
@@ -62,10 +63,13 @@ def opened(path: Path, notes: list[str]) -> Iterator[list[Contents]]:
     """Variables of a file, numeric ones alone: one group for netCDF, one for every kind of message for GRIB. What the
     reader warns of goes into ``notes``. Raises `SceneError` for a file that cannot be read."""
     try:
+        reading.checked_file(path)
         with open(path, "rb") as stream:
             start = stream.read(8)
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", file=path) from error
+    except reading.Refused as refused:
+        raise SceneError(str(refused), file=path) from refused
     if not start.startswith((b"CDF", b"\x89HDF", b"GRIB")):
         raise SceneError("is neither a netCDF nor a GRIB file: expected it to begin with 'CDF', '\\x89HDF' or 'GRIB', "
                          f"found {start[:4]!r}", file=path)  # fmt: skip
