@@ -172,7 +172,7 @@ def batch(door: Door, seed: int, begin: int, count: int, folder: Path) -> tuple[
 
 
 def fuzz(seconds: float, count: int, seed: int, names: list[str]) -> int:
-    """Take the doors in turns until the time or the count is used up, or Ctrl-C; the number of failures."""
+    """Take the doors in turns until the time or the count is used up, Ctrl-C or SIGTERM; the number of failures."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         chosen = [door for door in doors(folder) if not names or door.name in names]
@@ -216,6 +216,8 @@ def main() -> int:
     parser.add_argument("--door", action="append", default=[], help="only this door (may be repeated)")
     parser.add_argument("--only", metavar="DOOR:SEED:NUMBER", help="make one input again, here")
     arguments = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell ignores in what it starts in the background
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     if arguments.only:
         name, seed, number = arguments.only.split(":")
         with tempfile.TemporaryDirectory() as folder:
