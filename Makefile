@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
 
-.PHONY: run native test test-all faults hosts fool fuzz lint bench docs wheel clean
+.PHONY: run native test test-all faults hosts fool fuzz calls lint bench docs wheel clean
 run: $(VENV)/installed dist/built          ## build the FMUs, run the Sea Cliff scene, write out/sea_cliff/report.html
 	$(BIN)/towage run sea_cliff --fmus dist
 
@@ -32,6 +32,9 @@ hosts: $(VENV)/installed-test              ## every scene and unit in every othe
 
 fuzz: $(VENV)/installed-test               ## mutated inputs at every door for an hour; SEED=n, SECONDS=n
 	$(BIN)/python -m tests.faults.fuzz --seconds $(or $(SECONDS),3600) --seed $(or $(SEED),1)
+
+calls: $(VENV)/installed-test              ## 1e9 random FMI calls of the native units; goes on where it was stopped; COUNT=n, SEED=n
+	$(BIN)/python -m tests.faults.calls --count $(or $(COUNT),1e9) --seed $(or $(SEED),1)
 
 bench: $(VENV)/installed-bench             ## all benchmarks in one run -> docs/benchmarks.json and its page
 	$(BIN)/python benchmarks/run_all.py

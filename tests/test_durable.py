@@ -28,8 +28,9 @@ from towage.process.child import Died, Hung, converse
 from towage.process.overseer import Limits
 from towage.process.unfinished import left, unfinished
 from towage.process.worker import run_isolated
-from towage.result.journal import read_at
+from towage.result.journal import Journal, read_at
 from towage.result.result import Result
+from towage.routing.forecast.contents import opened
 from towage.scene.flavour import resolve
 from towage.scene.scene import Scene
 from towage.terminal import escaped
@@ -153,6 +154,43 @@ def test_recover_where_there_is_nothing(tmp_path: Path, capsys: pytest.CaptureFi
     assert cli.main(["recover", str(tmp_path)]) == 0
     assert "nothing was recorded" in capsys.readouterr().out
     assert not list(tmp_path.iterdir())
+
+
+def test_a_journal_with_a_damaged_head_is_put_aside(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "slack.unfinished"
+    folder.mkdir()
+    run_resolved(resolve(prepared("slack"), flavour="python"), None, folder / "journal")
+    data = bytearray((folder / "journal").read_bytes())
+    data[40] ^= 1
+    (folder / "journal").write_bytes(data)
+    command = ["run", "slack", "--out", str(tmp_path), "--progress", "none", "--no-report", "--flavour", "python", "--resume"]
+    assert cli.main(command) == 2
+    assert "slack.unfinished is damaged" in capsys.readouterr().err
+    (tmp_path / "slack.damaged").mkdir()
+    assert cli.main(["recover", str(tmp_path)]) == 0
+    assert "it is kept as" in capsys.readouterr().err
+    assert (tmp_path / "slack.damaged_2" / "journal").read_bytes() == data
+
+
+def test_a_journal_that_no_memory_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.unfinished").mkdir()
+    about = Result("", "", "", "done", "", np.zeros(1), {}, {}).metadata()
+    journal = Journal(tmp_path / "a.unfinished" / "journal", ["a.x"], about, 1e-15)
+    journal.row(np.array([100.0, 1.0]).tobytes(), True)
+    journal.close()
+    assert cli.main(["recover", str(tmp_path)]) == 2
+    assert "a.unfinished/journal: a journal up to t = 100 s with a record every 1e-15 s" in capsys.readouterr().err
+    assert left(tmp_path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="POSIX")
+def test_a_pipe_in_the_place_of_a_file_holds_nobody_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.unfinished").mkdir()
+    os.mkfifo(tmp_path / "a.unfinished" / "journal")
+    os.mkfifo(tmp_path / "waves.nc")
+    with pytest.raises(TowageError, match=r"waves\.nc: cannot be read: it is no file"), opened(tmp_path / "waves.nc", []):
+        pass
+    assert cli.main(["recover", str(tmp_path)]) == 0
 
 
 def test_a_journal_of_another_run_is_not_gone_on_with(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -343,12 +381,13 @@ def test_what_a_unit_in_a_process_of_its_own_does_ends_its_run_alone(misdeed: st
 def test_a_sandbox_keeps_a_process_from_writing_elsewhere(tmp_path: Path) -> None:
     (tmp_path / "own").mkdir()
     code = (
-        "import sys; from pathlib import Path; from towage.process.sandbox import writes_only_below as only\n"
-        "own, other = map(Path, sys.argv[1:])\nif not only(own): sys.exit(3)\n(own / 'a').write_text('a')\n"
-        "open('/dev/null', 'w').write('a')\ntry: (other / 'b').write_text('b')\nexcept PermissionError: sys.exit(0)\nsys.exit(1)"
+        "import socket, sys; from pathlib import Path; from towage.process.sandbox import confine\n"
+        "own, other = map(Path, sys.argv[1:])\nif confine(str(own)): sys.exit(3)\n(own / 'a').write_text('a')\n"
+        "open('/dev/null', 'w').write('a')\nfor act in (socket.socket, lambda: (other / 'b').write_text('b')):\n"
+        "    try: act()\n    except PermissionError: continue\n    sys.exit(1)"
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "own"), str(tmp_path)])
     if done.returncode == 3:
-        pytest.skip("this system has no landlock")
+        pytest.skip("this system lacks landlock or seccomp")
     assert done.returncode == 0
     assert (tmp_path / "own" / "a").exists() and not (tmp_path / "b").exists()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from towage.errors import SceneError
 from towage.models.route.grid import GridCurrent, GridField
 from towage.models.route.maps import StereographicMap
 from towage.routing.file import load
+from towage.routing.forecast import contents
 
 Array = NDArray[np.float64]
 LAT, LON = np.arange(30.0, 65.0), np.arange(-60.0, 21.0)
@@ -166,6 +166,9 @@ def test_grib_without_its_extra_says_what_to_install(tmp_path: Path, monkeypatch
     given = scenario("moving")
     (tmp_path / "waves.grib").write_bytes(b"GRIB, and then")
     (tmp_path / "r.toml").write_text(f'{given.route}[sea]\nkind = "file"\nfile = "waves.grib"\n', "utf-8")
-    monkeypatch.setitem(sys.modules, "cfgrib", None)
+    (tmp_path / "without").mkdir()
+    (tmp_path / "without" / "cfgrib.py").write_text("raise ImportError('not here')\n")
+    monkeypatch.syspath_prepend(tmp_path / "without")
+    monkeypatch.setattr(contents, "_serving", {})  # another process reads, which finds that
     with pytest.raises(SceneError, match=r"waves.grib: is a GRIB file; to read it: pip install 'towage\[grib\]'"):
         load(tmp_path / "r.toml")

@@ -121,6 +121,8 @@ def scratch(prefix: str = "towage-", parent: Path | None = None) -> Iterator[Pat
     """A temporary folder, removed at the end. What others left behind under this prefix when they were killed is cleared
     first."""
     place = parent or Path(tempfile.gettempdir())
+    with suppress(OSError):
+        place.mkdir(parents=True, exist_ok=True)  # it may have been wiped since this process began
     clear(place, prefix)
     folder = Path(tempfile.mkdtemp(prefix=prefix, dir=place))
     try:

@@ -78,6 +78,18 @@ def checked_file(path: str | os.PathLike[str], most: int = MAX_FILE) -> int:
     return status.st_size
 
 
+def memory() -> float:
+    """What this process may use, bytes: all of the machine's, or its limit; infinite where that is not known."""
+    most = math.inf
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        most = math.inf if limit == resource.RLIM_INFINITY else float(limit)
+        most = min(most, float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
+    return most
+
+
 @contextlib.contextmanager
 def foreign(path: str | os.PathLike[str], what: str) -> Iterator[None]:
     """For a file that a library of others reads in the block, as netCDF: its size is looked at first, and whatever the library
@@ -87,7 +99,9 @@ def foreign(path: str | os.PathLike[str], what: str) -> Iterator[None]:
         yield
     except Refused:
         raise
-    except (Exception, MemoryError) as error:
+    except MemoryError as error:
+        raise Refused(f"is not a readable {what}: it takes more memory than a file of its size should") from error
+    except Exception as error:
         raise Refused(f"is not a readable {what}: {type(error).__name__}: {error}") from error
 
 

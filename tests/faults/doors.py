@@ -5,19 +5,22 @@ from __future__ import annotations
 import ctypes
 import io
 import json
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tests.faults import boxes, systems
+from tests.faults import boxes, forecasts, systems
+from tests.zoo.zoo import description3
 from towage.commands.common import setting
 from towage.errors import FmuError
-from towage.files import sealed
+from towage.files import sealed, unsealed
+from towage.master.checkpoint import Keeper
 from towage.master.outcome import recovered
 from towage.report.page import text_summary
-from towage.result.journal import Journal, read_at
+from towage.result.journal import FORMAT, Journal, read_at
 from towage.result.records import Event, Finding, Margin, Verdict
 from towage.result.result import Result
 from towage.routing import file as routes
@@ -31,22 +34,8 @@ from towage.units.store import locator
 from towage.units.wiring import Wanted
 from towage.verify.verify import cases
 
-SCENES = ("slack", "docking", "sea_cliff")
-ROUTE = """title = "Forecast"
-[map]
-kind = "sphere"
-[route]
-start = ["45 deg", "-50 deg"]
-end = ["48 deg", "-10 deg"]
-[ship]
-speed = "19.3 kn"
-[sea]
-kind = "file"
-file = "input.nc"
-"""
-
-
-def doors(folder: Path, door: Callable[[str, str, list[bytes], Callable[[Path], object]], Any]) -> list[Any]:
+SCENES = ("slack", "docking", "sea_cliff", "deep_lift", "tow_600ft")
+def doors(folder: Path, door: Callable[..., Any]) -> list[Any]:
     """All of them; seeds are made in ``folder``."""
     scenes = [(SHIPPED / f"{name}.toml").read_bytes() for name in SCENES]
     shipped = [path.read_bytes() for path in sorted((SHIPPED.parent / "routes").glob("*.toml"))]
@@ -73,7 +62,11 @@ def doors(folder: Path, door: Callable[[str, str, list[bytes], Callable[[Path], 
         door("about", ".json", [json.dumps(_result().metadata()).encode()], _about),
         door("sweep", ".jsonl", [sweep.read_bytes()], _sweep),
         door("reference", ".json", [reference.encode()], cases),
-        door("forecast", ".nc", [_forecast(folder / "seed.nc")], _route_over),
+        door("description3", ".xml", [description3().encode()], _description),
+        door("checkpoint", ".checkpoint", [sealed({"journal": 1, "run": {"steps": [0.1]}})], _checkpoint),
+        door("kept", ".json", [sealed({"yaw": [1.0], "flutter": [[1.0, 2.0, True]], "stable": [[0.0, 1.0]]})], _kept),
+        door("frame", ".json", [*_FRAMES], _frame),
+        *forecasts.doors(folder, door),
         door("state", ".state", _states(), _state),
         door("system", ".ssp", [systems.archive(folder / "seed.ssp")], _system),
         door("structure", ".ssd", [systems.SSD.encode()], _system),
@@ -143,8 +136,29 @@ def _about(path: Path) -> None:
         about = json.loads(path.read_bytes())
     except (ValueError, RecursionError):
         about = path.read_bytes().decode("latin-1")
-    path.write_bytes(sealed({"journal": 1, "names": ["a.x"], "about": about}))
+    path.write_bytes(sealed({"journal": FORMAT, "names": ["a.x", "a.y"], "interval": 0.1, "held": [], "about": about}))
     text_summary(recovered(read_at(path), ""))
+
+
+_FRAMES = (
+    b'E{"time": 1.5, "unit": "a", "name": "slack", "direction": -1}',
+    b'M[0.5, "a", "Warning", "logStatusWarning", "said"]',
+    b'T[0.5, "a.words", "said"]',
+)
+"""Tag and JSON of frames of a journal."""
+
+
+def _frame(path: Path) -> None:
+    """A frame whose checksum fits, after sound rows."""
+    frame = path.read_bytes()
+    tag, text = frame[:1], frame[1:]
+    _journal(path)
+    with open(path, "ab") as file:
+        file.write(b"".join((tag, len(text).to_bytes(4, "little"), text, zlib.crc32(text).to_bytes(4, "little"))))
+    kept = read_at(path)
+    text_summary(recovered(kept, ""))
+    if kept.lost:
+        raise FmuError("has a frame that is none")
 
 
 def _sweep(path: Path) -> None:
@@ -152,27 +166,18 @@ def _sweep(path: Path) -> None:
         pass
 
 
-def _forecast(path: Path) -> bytes:
-    from scipy.io import netcdf_file
-
-    with netcdf_file(path, "w") as out:
-        for name, values, unit in (
-            ("time", np.arange(0.0, 25.0, 12.0), "hours since 2020-01-05 00:00:00"),
-            ("latitude", np.arange(60.0, 29.0, -5.0), "degrees"), ("longitude", np.arange(-60.0, 1.0, 5.0), "degrees"),
-        ):  # fmt: skip
-            out.createDimension(name, len(values))
-            variable = out.createVariable(name, "d", (name,))
-            variable[:] = values
-            variable.units = unit
-        for name, value in (("swh", 3.0), ("mwd", 270.0), ("pp1d", 9.0)):
-            out.createVariable(name, "d", ("time", "latitude", "longitude"))[:] = np.full((3, 7, 13), value)
-    return path.read_bytes()
+def _checkpoint(path: Path) -> None:
+    """What is damaged is not used."""
+    if Keeper(path.with_suffix("")).found() is None:
+        raise FmuError("is no checkpoint")
 
 
-def _route_over(path: Path) -> None:
-    route = path.with_name("route.toml")
-    route.write_text(ROUTE, "utf-8")
-    routes.load(route)
+def _kept(path: Path) -> None:
+    """What programs keep in the cache is made again where it is damaged."""
+    try:
+        unsealed(path.read_bytes())
+    except ValueError as error:
+        raise FmuError(str(error)) from error
 
 
 _UNITS: dict[bytes, Unit] = {}

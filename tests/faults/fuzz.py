@@ -1,9 +1,10 @@
 """Mutated inputs at every door: ``python -m tests.faults.fuzz --seconds 60 --seed 1`` prints what became of them.
 
 A door reads one kind of file. Each input is one that towage wrote or that the tests have, with a few mutations of bytes, of
-numbers, of nesting or of length. It must be taken or refused with exit code 2, by a process that needs less than `MOST`
-memory and `LONGEST` time. Inputs are done in forks, a batch each, so that a crash is one of its batch and memory is its own. A
-failure is printed with door, seed and number, and `--only DOOR:SEED:NUMBER` makes that input again.
+numbers, of nesting or of length; the first of a door are as they were and must be taken. The others must be taken or refused
+with exit code 2, by a process that needs less than `MOST` memory and `LONGEST` time. Inputs are done in forks, a batch each, so
+that a crash is one of its batch and memory is its own. A failure is printed with door, seed and number, and
+`--only DOOR:SEED:NUMBER` makes that input again.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import itertools
 import json
 import os
 import random
@@ -36,12 +38,14 @@ Take = Callable[[Path], object]
 
 
 class Door(NamedTuple):
-    """``seeds``: sound inputs; ``take`` reads a file; ``suffix`` is its name's end."""
+    """``seeds``: sound inputs; ``take`` reads a file; ``suffix`` is its name's end; ``share``: of the inputs of other doors, for
+    one that is slow."""
 
     name: str
     suffix: str
     seeds: list[bytes]
     take: Take
+    share: float = 1.0
 
 
 def mutated(data: bytes, chance: random.Random) -> bytes:
@@ -106,13 +110,20 @@ def doors(folder: Path) -> list[Door]:
     return made.doors(folder, Door)
 
 
+def given(door: Door, seed: int, number: int) -> bytes:
+    """An input of a door."""
+    if number < len(door.seeds):
+        return door.seeds[number]
+    chance = random.Random(f"{door.name}:{seed}:{number}")
+    return mutated(chance.choice(door.seeds), chance)
+
+
 def one(door: Door, seed: int, number: int, folder: Path) -> str:
     """What became of an input: "taken", "refused", or what went wrong."""
     from towage.errors import TowageError
 
-    chance = random.Random(f"{door.name}:{seed}:{number}")
     path = folder / f"input{door.suffix}"
-    path.write_bytes(mutated(chance.choice(door.seeds), chance))
+    path.write_bytes(given(door, seed, number))
     begin = time.process_time()
     try:
         with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
@@ -122,6 +133,7 @@ def one(door: Door, seed: int, number: int, folder: Path) -> str:
     except TowageError as error:
         str(error)
         word = "refused" if error.exit_code == 2 else f"exit code {error.exit_code}: {error}"
+        word = f"sound, and {word}: {error}" if number < len(door.seeds) else word
     except BaseException as error:
         place = traceback.extract_tb(error.__traceback__)[-1]
         word = f"defect: {type(error).__name__} at {place.filename}:{place.lineno}"
@@ -144,7 +156,7 @@ def batch(door: Door, seed: int, begin: int, count: int, folder: Path) -> tuple[
             word = one(door, seed, number, folder)
             key = word if word in ("taken", "refused") else f"{word} [--only {door.name}:{seed}:{number}]"
             counts[key] = counts.get(key, 0) + 1
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+        peak = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) >> 10
         os.write(writing, (json.dumps([counts, peak]) + "\n").encode())
         os._exit(0)
     os.close(writing)
@@ -160,38 +172,38 @@ def batch(door: Door, seed: int, begin: int, count: int, folder: Path) -> tuple[
 
 
 def fuzz(seconds: float, count: int, seed: int, names: list[str]) -> int:
-    """Take the doors in turns until the time or the count is used up; the number of failures."""
-    bad = 0
+    """Take the doors in turns until the time or the count is used up, Ctrl-C or SIGTERM; the number of failures."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         chosen = [door for door in doors(folder) if not names or door.name in names]
         totals: dict[str, Counter[str]] = {door.name: Counter() for door in chosen}
-        peaks = dict.fromkeys(totals, 0)
+        peaks, begins = dict.fromkeys(totals, 0), dict.fromkeys(totals, 0)
         size = max(1, min(BATCH, count // len(chosen)))
-        until, done, begin = time.monotonic() + seconds, 0, 0
-        while time.monotonic() < until and done < count:
-            for door in chosen:
-                place = folder / "batch"
-                place.mkdir()
-                counts, peak = batch(door, seed, begin, size, place)
+        until = time.monotonic() + seconds
+        with contextlib.suppress(KeyboardInterrupt):
+            for door in itertools.cycle(chosen):
+                if time.monotonic() > until or sum(sum(counts.values()) for counts in totals.values()) >= count:
+                    break
+                place = Path(tempfile.mkdtemp(dir=folder))
+                some = max(1, round(size * door.share))
+                counts, peak = batch(door, seed, begins[door.name], some, place)
+                begins[door.name] += some
                 shutil.rmtree(place)
                 totals[door.name] += counts
                 peaks[door.name] = max(peaks[door.name], peak)
-                done += sum(counts.values())
-                if time.monotonic() > until or done >= count:
-                    break
-            begin += size
-        print(
-            f"{done} inputs, seed {seed}\n\n| door | taken | refused | failed | most memory, MB |\n|---|---|---|---|---|"
-        )
-        for door_name, counts in totals.items():
-            failed = {word: n for word, n in counts.items() if word not in ("taken", "refused")}
-            bad += sum(failed.values()) + (peaks[door_name] > MOST)
-            print(
-                f"| {door_name} | {counts['taken']} | {counts['refused']} | {sum(failed.values())} | {peaks[door_name]} |"
-            )
-            for word, n in sorted(failed.items())[:20]:
-                print(f"    {n} x {word}", file=sys.stderr)
+    return told(totals, peaks, seed)
+
+
+def told(totals: dict[str, Counter[str]], peaks: dict[str, int], seed: int) -> int:
+    """Print what became of the inputs of the doors; the number of failures."""
+    bad, done = 0, sum(sum(counts.values()) for counts in totals.values())
+    print(f"{done} inputs, seed {seed}\n\n| door | taken | refused | failed | most memory, MB |\n|---|---|---|---|---|")
+    for name, counts in totals.items():
+        failed = {word: n for word, n in counts.items() if word not in ("taken", "refused")}
+        bad += sum(failed.values()) + (peaks[name] > MOST)
+        print(f"| {name} | {counts['taken']} | {counts['refused']} | {sum(failed.values())} | {peaks[name]} |")
+        for word, n in sorted(failed.items())[:20]:
+            print(f"    {n} x {word}", file=sys.stderr)
     return bad
 
 
@@ -204,13 +216,14 @@ def main() -> int:
     parser.add_argument("--door", action="append", default=[], help="only this door (may be repeated)")
     parser.add_argument("--only", metavar="DOOR:SEED:NUMBER", help="make one input again, here")
     arguments = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell ignores in what it starts in the background
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     if arguments.only:
         name, seed, number = arguments.only.split(":")
         with tempfile.TemporaryDirectory() as folder:
             door = next(door for door in doors(Path(folder)) if door.name == name)
-            chance = random.Random(f"{name}:{seed}:{number}")
             path = Path(folder, f"input{door.suffix}")
-            path.write_bytes(mutated(chance.choice(door.seeds), chance))
+            path.write_bytes(given(door, int(seed), int(number)))
             door.take(path)
         return 0
     return int(fuzz(arguments.seconds, arguments.count, arguments.seed, arguments.door) > 0)

@@ -46,12 +46,12 @@ def named(case: str) -> Callable[[Path], Path]:
     return write
 
 
-def stepped(step: float) -> Callable[[Path], Path]:
-    """A sound scene with that step, s."""
+def stepped(step: float, more: str = "") -> Callable[[Path], Path]:
+    """A sound scene with that step, s, and ``more`` tables."""
 
     def write(directory: Path) -> Path:
         path = misbehaving("none")(directory)
-        path.write_text(path.read_text("utf-8").replace(f"step = {STEP}", f"step = {step}"), "utf-8")
+        path.write_text(path.read_text("utf-8").replace(f"step = {STEP}", f"step = {step}") + more, "utf-8")
         return path
 
     return write
@@ -174,6 +174,7 @@ CASES = [
     Case("lost", "the name of a case that would act on a terminal", named(ACTING), 0, r"a\\x1b\[2Jb\\u202e", STOP),
     Case("endless", "1e12 steps", stepped(STOP / 1e12), 2, r"1e\+12 steps of . numbers take .* MB"),
     Case("endless", "1e18 steps", stepped(STOP / 1e18), 2, "below the last digit of a time of 2 s"),
+    Case("endless", "1e12 records", stepped(STEP, f"\n[record]\ninterval = {STOP / 1e12}\n"), 2, r"1e\+12 steps of . numbers"),
     *(Case("meddling", m, misbehaving(m), 0, says, STOP) for m, says in MEDDLING),
     *(Case("offspring", f"{m}: {what}", misbehaving(m), 0, "", STOP, nothing_stays) for m, what in OFFSPRING),
     *(Case("harmless", f"{m}: {what}", misbehaving(m), 0, "", STOP) for m, what in HARMLESS),

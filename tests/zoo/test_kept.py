@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ from towage.master.checkpoint import Keeper, can_freeze
 from towage.master.master import run_resolved
 from towage.master.outcome import recovered
 from towage.master.plan import started
+from towage.process import sandbox
 from towage.process.worker import run_isolated
 from towage.result.journal import read_at
 from towage.result.result import Result
@@ -129,3 +132,61 @@ def test_a_unit_that_breaks_off_in_its_process_says_so(tmp_path: Path) -> None:
     result = run_isolated(resolve(scene(units, [])), a_process_a_unit=True)
     assert result.status == "failed"
     assert "ended its process" in result.message
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="landlock and seccomp")
+def test_the_process_of_a_unit_has_no_network_and_writes_in_its_folder_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bits of `zoo_trespass`: 1 and 2 sockets, 4 to 16 files of others, 32 a signal, 64 name spaces, 128 its own folder."""
+    (tmp_path / "victim").write_text("kept")
+    monkeypatch.setenv("TRESPASS", str(tmp_path / "victim"))
+    resolved = resolve(scene({"a": {"fmu": animal(tmp_path / "a.fmu", "trespasses"), **ONE}}, [], 0.2))
+    result = run_isolated(resolved, a_process_a_unit=True)
+    said = next(check for check in result.checks if check.name == "isolation")
+    if said.level != "info":
+        pytest.skip(said.message)
+    assert (int(result["a.n"][-1]), (tmp_path / "victim").read_text()) == (128, "kept")
+    free = run_isolated(resolved)
+    assert int(free["a.n"][-1]) & 127 == 127, "the unit would have done it all"
+    assert (tmp_path / "victim").read_text() == ""
+
+
+def test_what_the_system_cannot_deny_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On an old system, as far as the process of the unit can tell."""
+    (tmp_path / "sitecustomize.py").write_text(
+        "import ctypes\nclass Old(ctypes.CDLL):\n    syscall = lambda *words: -1\nctypes.CDLL = Old\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    resolved = resolve(scene({"a": {"fmu": animal(tmp_path / "a.fmu"), **ONE}}, [], 0.2))
+    result = run_isolated(resolved, a_process_a_unit=True)
+    said = next(c for c in result.checks if c.name == "isolation")
+    assert said.level == "warning" and "no seccomp" in said.message and "no landlock" in said.message
+
+
+@pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
+def test_the_filter_of_calls_ends_in_one_of_its_answers(machine: str) -> None:
+    """Followed as the kernel would: every call of the list is refused, others are not."""
+    code = list(struct.iter_unpack("=HBBI", sandbox.program(machine)))
+
+    def answer(number: int, argument: int = 0, architecture: int = sandbox._AUDIT[machine]) -> int:
+        seen, place = {0: number, 4: architecture, 16: argument}, 0
+        value = 0
+        while True:
+            kind, yes, no, operand = code[place]
+            if kind == 0x06:
+                return operand
+            if kind == 0x20:
+                value, steps = seen[operand], 0
+            else:
+                test = {0x15: value == operand, 0x35: value >= operand, 0x45: bool(value & operand)}[kind]
+                steps = yes if test else no
+            place += 1 + steps
+
+    numbers = {pair[machine == "aarch64"] for pair in sandbox.DENIED.values()} - {None}
+    clone = sandbox._CLONE[machine]
+    refused = {n for n in range(600) if answer(n) == 0x50001}
+    assert refused == numbers
+    assert answer(435) == 0x50000 | 38
+    assert (answer(clone, 0x11), answer(clone, 0x1000_0011)) == (0x7FFF0000, 0x50001)
+    assert answer(0, architecture=1) == 0x50001

@@ -112,6 +112,12 @@ def test_clocks_are_refused(tmp_path: Path) -> None:
         read_description(Path(animal3(tmp_path / "a.fmu", extra=extra)))
 
 
+def test_arrays_of_a_negative_size_are_refused(tmp_path: Path) -> None:
+    extra = '<Float64 name="odd" valueReference="90"><Dimension start="-5"/></Float64>'
+    with pytest.raises(FmuError, match="an array has a dimension of -5 elements"):
+        read_description(Path(animal3(tmp_path / "a.fmu", extra=extra)))
+
+
 @pytest.mark.parametrize(
     ("connection", "says"),
     [("a.bytes -> b.s_in", "Binary to String"), ("a.byte -> b.u", "Integer to Real"), ("a.array[4] -> b.u", "array")],

@@ -11,6 +11,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <netinet/in.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/socket.h>
+#endif
 #include <time.h>
 #include <unistd.h>
 
@@ -37,6 +43,31 @@ struct Zoo {
 
 static bool is(const Zoo *z, const char *manner) { return !strcmp(z->manner, manner); }
 
+/* Tries what a unit has no business doing: a bit for each that the system allows. */
+static int zoo_trespass(void)
+{
+    int done = 0;
+#ifdef __linux__
+    const int kinds[] = {AF_INET, AF_UNIX};
+    for (int i = 0; i < 2; i++) {
+        const int it = socket(kinds[i], SOCK_STREAM, 0);
+        if (it >= 0) done |= 1 << i, close(it);
+    }
+    const char *elsewhere = getenv("TRESPASS"), *places[] = {"/dev/shm/towage-trespass", elsewhere};
+    for (int i = 0; i < 2; i++) {
+        const int it = places[i] ? open(places[i], O_WRONLY | O_CREAT | O_APPEND, 0600) : -1;
+        if (it >= 0) done |= 4 << i, close(it);
+        if (it >= 0 && i == 0) unlink(places[i]);
+    }
+    if (elsewhere && (truncate(elsewhere, 0) == 0)) done |= 16;
+    if (kill(getppid(), 0) == 0) done |= 32;
+    if (unshare(0) == 0) done |= 64; /* which changes nothing */
+    const int here = open("mine", O_WRONLY | O_CREAT, 0600);
+    if (here >= 0) done |= 128, close(here), unlink("mine");
+#endif
+    return done;
+}
+
 static void zoo_begin(Zoo *z, const char *name, const char *manner)
 {
     strncpy(z->name, name, sizeof z->name - 1);
@@ -57,7 +88,9 @@ static void zoo_outputs(Zoo *z)
     if (is(z, "restless")) z->real[Y] += 1e-3 * z->reads++; /* its outputs change by being read */
     if (is(z, "nan") && z->time >= z->real[END]) z->real[Y] = NAN;
     if (is(z, "per minute")) z->real[RATE] *= 60.0; /* its rates are in another unit than it says */
-    z->integer_out = is(z, "counter") ? (int)floor(2.0 * z->time + 1e-9) : 2 * z->integer_in;
+    z->integer_out = is(z, "counter")      ? (int)floor(2.0 * z->time + 1e-9)
+                     : is(z, "trespasses") ? z->integer_in
+                                           : 2 * z->integer_in;
 }
 
 /* The initial state follows from the input where the manner is "from input". */
@@ -83,6 +116,7 @@ static int zoo_step(Zoo *z, double time, double step, bool committed, bool *over
     if (is(z, "stop") && time + step > z->stop) return Z_ERROR; /* not by the last bit */
     if (is(z, "pending")) return 5;
     if (is(z, "mute") && time + step > z->real[END]) return Z_DISCARD;
+    if (is(z, "trespasses") && z->repeats == 0) z->integer_in = zoo_trespass();
     static double shared;
     if (is(z, "dies at once")) abort();
     if (is(z, "wanders")) (void)!chdir("/");

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
 from time import process_time
 from typing import Literal, NamedTuple
 
+from towage import reading
 from towage.checks.check import Start, checks_of
 from towage.checks.step import largest_step, loops
 from towage.master.auto import choose
@@ -90,37 +89,25 @@ def plan(resolved: ResolvedScene, system: System) -> Plan:
         if check.refuses:
             findings += check.before(start)
     interval = scene.record.interval or step or stop / DEFAULT_POINTS
-    if endless := _endless(step or interval, stop, system):
-        raise scene.error(endless, "coupling.step" if step else "record.interval")
+    if endless := _endless(min(step or interval, interval), stop, system):
+        raise scene.error(endless, "coupling.step" if step and step <= interval else "record.interval")
     settings = Settings(scheme, step, tolerance, max_step, coupling.events, interval, stop, grid)
     return Plan(settings, start, findings)
 
 
 def _endless(step: float, stop: float, system: System) -> str:
-    """Why a run cannot come to its end, or "": its steps are lost in the digits of the time, or its record, which has every
-    communication point, in the memory."""
+    """Why a run cannot come to its end, or "": its steps, or the times of its record, are lost in the digits of the time, or
+    what is recorded in the memory."""
     if stop + step == stop:
         return f"a step of {step:g} s is below the last digit of a time of {stop:g} s: the run would not move on"
     width = 1 + sum(len(unit.outputs) for unit in system.units)
-    wanted, there = 8.0 * width * stop / step, memory()
+    wanted, there = 8.0 * width * stop / step, reading.memory()
     if wanted <= there:
         return ""
     return (
         f"{stop / step:.3g} steps of {width} numbers take {wanted / 2**20:.3g} MB, and a run here may use "
-        f"{there / 2**20:.3g} MB: take a longer step, or an earlier stop_time"
+        f"{there / 2**20:.3g} MB: take a longer step or interval, or an earlier stop_time"
     )
-
-
-def memory() -> float:
-    """What this process may use, bytes: all of the machine's, or its limit; infinite where that is not known."""
-    most = math.inf
-    with contextlib.suppress(ImportError, ValueError, OSError):
-        import resource
-
-        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        most = math.inf if limit == resource.RLIM_INFINITY else float(limit)
-        most = min(most, float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
-    return most
 
 
 def _vetted(resolved: ResolvedScene) -> dict[str, str]:

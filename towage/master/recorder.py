@@ -4,6 +4,7 @@ of the scene is read off them at its times (`towage.checks.track`); the journal 
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from towage import reading
 from towage.checks.track import SAME_TIME, Track, comparison_times
+from towage.errors import FileError
 from towage.result.journal import Journal, Kept
 from towage.result.result import Event
 from towage.units.log import Message
@@ -118,7 +121,11 @@ def recorded(track: Track, interval: float | None, records_end: bool = False) ->
 
 
 def record_of(kept: Kept) -> tuple[Array, dict[str, Array]]:
-    """(times, columns by name) of the record that a journal holds."""
+    """(times, columns by name) of the record that a journal holds. Raises `FileError` for one that no memory holds."""
+    end = float(np.max(kept.rows[:, 0], initial=0.0))
+    wanted = 8.0 * (1 + len(kept.names)) * end / (kept.interval or math.inf)
+    if not wanted <= reading.memory():
+        raise FileError(f"a journal up to t = {end:g} s with a record every {kept.interval:g} s is none of a run")
     return recorded(Track(*_columns(kept.rows.ravel(), kept.names), kept.held), kept.interval)
 
 

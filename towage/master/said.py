@@ -45,6 +45,13 @@ def after(system: System, settings: Settings, run: Run) -> list[Finding]:
         remedy = "take a shorter step, or connect the output; `towage vet` tells whether they depend"
         findings.append(Finding("late outputs", "warning", None, None, message, remedy))
     findings += system.found.values()
+    apart = [unit.lacks for unit in system.units if unit.lacks is not None]
+    if lacks := dict.fromkeys(word for words in apart for word in words):
+        message = f"units in processes of their own that the system does not keep from {'; '.join(lacks)}"
+        findings.append(Finding("isolation", "warning", None, None, message, "take Linux 6.12 or newer, with both enabled"))
+    elif apart:
+        message = "a process a unit: it writes in its folder alone, has no network, and reaches no other process"
+        findings.append(Finding("isolation", "info", None, None, message))
     for unit in system.units:
         log = unit.instance.log
         if log.warnings:

@@ -53,9 +53,11 @@ CLOCK = Clock()
 
 
 class Died(Exception):
-    """The child ended, or was ended, without an answer: what happened, and ``printed``, the last it printed."""
+    """The child ended, or was ended, without an answer: what happened, ``printed``, the last it printed, and ``code``, its
+    exit code or minus the signal that ended it; None if it was ended here."""
 
     printed: str = ""
+    code: int | None = None
 
 
 class Hung(Died):
@@ -143,7 +145,9 @@ class Child:
                         report(message["share"], message["text"])
             looks += gone and empty
             if (ended and empty) or looks > LOOKS:
-                raise Died(_fate(self.process.returncode))
+                death = Died(_fate(self.process.returncode))
+                death.code = self.process.returncode
+                raise death
             if silence >= (timeout if last else timeout + START):
                 self._ask_for_stack()
                 raise Hung(f"made no progress for {timeout:g} s and was stopped")

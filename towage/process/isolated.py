@@ -1,9 +1,9 @@
 """A process a unit, for ``towage run --isolate``: what a unit does to its memory, its files or its process reaches no other.
 
 Every unit has a process with a folder of its own, which is its working directory and its place for temporary files, with the
-limits of the run, and without the descriptors of the others. Where the system has landlock (`sandbox`) it may write nowhere
-else. A unit that dies fails its call, and the run ends with all that was recorded. What comes back is taken for numbers and for
-texts of known kinds (`Said`), nothing else.
+limits of the run, and without the descriptors of the others. Where the system can (`sandbox`) it may write nowhere else, has
+no network and reaches no other process; the run tells what the system cannot deny. A unit that dies fails its call, and the
+run ends with all that was recorded. What comes back is taken for numbers and for texts of known kinds (`Said`), nothing else.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ import msgspec
 from towage.errors import RunError
 from towage.files import scratch
 from towage.process.overseer import Limits
+from towage.process.sandbox import confine
 from towage.process.served import LENGTH, Said, serve
 from towage.units.description import Description, Value
 from towage.units.doubt import Doubt
@@ -72,7 +73,10 @@ class Remote(Unit):
         self._open = contextlib.ExitStack()
         folder = self._open.enter_context(scratch())
         ours, theirs = socket.socketpair()
-        code = f"import sys; sys.path[:] = {sys.path!r}; from {serve.__module__} import serve; serve({theirs.fileno()})"
+        code = (
+            f"import sys; sys.path[:] = {sys.path!r}; from {confine.__module__} import confine; "
+            f"lacks = confine({str(folder)!r}); from {serve.__module__} import serve; serve({theirs.fileno()}, lacks)"
+        )  # confined before threads begin
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=2, pass_fds=[theirs.fileno()], cwd=folder,
@@ -80,12 +84,12 @@ class Remote(Unit):
             )  # fmt: skip
         self._open.callback(self._end)
         self._channel = Connection(ours.detach())
-        self.begun, self.endings = False, []
+        self.begun, self.endings, self.lacks = False, [], []
         self.can_roll_back = description.can_get_set_state
         self._handled = False
         self.instance: Any = RemoteInstance(self)
         self.advance = self._advance
-        self._ask("instantiation", math.nan, "make", name, description, directory, wanted, limits, folder)
+        self._ask("instantiation", math.nan, "make", name, description, directory, wanted, limits)
 
     def _ask(self, stage: str, time: float, method: str, *arguments: object) -> bytes:
         """The reply to a call of the unit's ``method``. Raises `RunError` and `StepRefused`."""
@@ -120,6 +124,7 @@ class Remote(Unit):
             instance.log.add(STATUS.index(status) if status in STATUS else -1, category, text)
         instance.log.lost, instance.log.warnings, instance.log.warned_at = said.lost, said.warnings, said.warned_at
         instance.meddled |= dict.fromkeys(said.meddled)
+        self.lacks = [*(self.lacks or []), *said.lacks]
         instance.dead, instance.freezes, self._handled = said.dead, said.freezes, said.handled
         instance.next_event = math.inf if said.next_event is None else said.next_event
         self.endings += [(self.name, time) for time in said.ended]

@@ -48,7 +48,8 @@ class Said(msgspec.Struct):
     """What a call of a unit brought beside its values: ``log``: new messages as (status, category, text), and how many were
     ``lost``; ``warnings``: calls that returned Warning, first at ``warned_at``, s; ``meddled``: what it changed of its process;
     ``ended``: when it ended the simulation, s; ``texts`` and ``binaries`` (as hexadecimal digits) that it sends; ``handled``:
-    whether there were events to handle; ``next_event``, s."""
+    whether there were events to handle; ``next_event``, s; ``lacks``, at first: what its process may still do
+    (`towage.process.sandbox`)."""
 
     log: list[tuple[str, str, str]] = []
     lost: int = 0
@@ -62,11 +63,12 @@ class Said(msgspec.Struct):
     next_event: float | None = None
     freezes: bool = False
     dead: bool = False
+    lacks: list[str] = []
     failure: Failure | None = None
     refusal: Refusal | None = None
 
 
-def serve(descriptor: int) -> None:
+def serve(descriptor: int, lacks: list[str]) -> None:
     """The process of a unit: does what it is asked until the connection ends."""
     channel = Connection(descriptor)
     served: Served | None = None
@@ -78,6 +80,7 @@ def serve(descriptor: int) -> None:
         said, value = Said(), b""
         try:
             if served is None:
+                said.lacks = lacks
                 served = Served(_made(*arguments))
             else:
                 value = served.call(said, method, arguments, inputs, words, locates)
@@ -130,13 +133,11 @@ class Served:
 
 
 def _made(
-    name: str, description: Description, directory: Path, wanted: Wanted, limits: Limits, folder: Path
+    name: str, description: Description, directory: Path, wanted: Wanted, limits: Limits
 ) -> Unit:
-    from towage.process import sandbox
     from towage.process.overseer import limit
 
     limit(limits)
-    sandbox.writes_only_below(folder)
     return Unit(name, description, directory, wanted)
 
 

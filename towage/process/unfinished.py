@@ -7,17 +7,19 @@ that was killed; `recovered` and the next run into the same directory make a res
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
+import os
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from towage.errors import TowageError
+from towage.errors import FileError, TowageError
 from towage.files import claimed, in_use, reason
 from towage.master.checkpoint import SUFFIX as CHECKPOINT
 from towage.process.worker import JOURNAL, RESULT
-from towage.result.journal import read_at
+from towage.result.journal import read, read_at
 from towage.result.result import Result
 from towage.result.writers import Writer, write_files
 from towage.scene.provenance import differences, provenance
@@ -67,20 +69,33 @@ def left(directory: Path) -> list[Path]:
 
 
 def recovered(directory: Path, writers: Sequence[Writer]) -> list[Path]:
-    """Make files of all journals left in ``directory``, and remove them. Raises `TowageError` where they cannot be
-    written; the journal then stays."""
+    """Make files of all journals left in ``directory``, and remove them; one that is damaged in its head, without which its
+    rows have no names, is put aside. Raises `TowageError` where they cannot be written; the journal then stays."""
     files = []
     for folder in left(directory):
+        case = folder.name.removesuffix(SUFFIX)
         if result := _result(folder):
-            name = f"{folder.name.removesuffix(SUFFIX)}.recovered"
             taken = {path.name.rpartition(".")[0] for path in folder.parent.iterdir()}
-            count = 2
-            free = name
-            while free in taken:
-                free, count = f"{name}_{count}", count + 1
-            files += write_files(result, folder.parent / free, writers)
+            files += write_files(result, folder.parent / _free(f"{case}.recovered", taken), writers)
+        elif _damaged(folder / JOURNAL):
+            aside = folder.parent / _free(f"{case}.damaged", {path.name for path in folder.parent.iterdir()})
+            os.replace(folder, aside)
+            tell(f"the journal in {folder.name} is damaged in its first line, which names its columns: it is kept as {aside}")
+            continue
         shutil.rmtree(folder)
     return files
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    """The name, or with the first number that is not taken."""
+    return next(free for k in itertools.count(1) if (free := name if k == 1 else f"{name}_{k}") not in taken)
+
+
+def _damaged(journal: Path) -> bool:
+    """Whether a journal has more than a first line, which cannot be read."""
+    with contextlib.suppress(OSError), open(journal if journal.is_file() else os.devnull, "rb") as file:
+        return file.readline().endswith(b"\n") and bool(file.read(1)) and read(file) is None
+    return False
 
 
 def _result(folder: Path) -> Result | None:
@@ -98,7 +113,10 @@ def _result(folder: Path) -> Result | None:
         return None
     if not len(kept.rows):
         return None
-    result = of_journal(kept, "the run was killed")
+    try:
+        result = of_journal(kept, "the run was killed")
+    except TowageError as error:
+        raise FileError(f"{folder / JOURNAL}: {error}") from error
     result.message += f"; the record ends at t = {result.time[-1]:.9g} s" if len(result.time) else ""
     return result
 
@@ -108,6 +126,8 @@ def can_resume(folder: Path, resolved: ResolvedScene) -> bool:
     is of another run."""
     if not (folder / JOURNAL).exists():
         return False
+    if _damaged(folder / JOURNAL):
+        raise resolved.scene.error(f"{folder} is damaged: leave --resume out, and it is put aside", "--resume")
     try:
         kept = read_at(folder / JOURNAL)
     except TowageError:

@@ -185,6 +185,12 @@ def main() -> None:
     os._exit(0)
 
 
+def _there(directory: Path) -> None:
+    """Make the directory again that was removed since the parent began."""
+    with contextlib.suppress(OSError):
+        directory.mkdir(parents=True, exist_ok=True)
+
+
 def watch(directory: Path) -> None:
     """Have this process leave its stack in ``directory`` when it crashes or is asked to."""
     import faulthandler
@@ -230,8 +236,9 @@ def _factory(request: Request) -> UnitFactory:
 def _serve(request: Request, report: Report) -> dict[str, Any]:
     import traceback
 
-    watch(request.directory)
+    _there(request.directory)
     try:
+        watch(request.directory)
         from towage.master.master import check_resolved, run_resolved
 
         report(0.0, "initialisation")
@@ -248,7 +255,7 @@ def _serve(request: Request, report: Report) -> dict[str, Any]:
     except MemoryError:
         return {"memory": True}
     except OSError as error:
-        if error.errno not in FULL:
+        if error.errno not in FULL and not str(error.filename).startswith(str(request.directory)):
             return {"bug": traceback.format_exc()}
         said = f"the run cannot keep its journal in {request.directory}: {reason(error)}. TMPDIR may name another place"
         return {"error": "TowageError", "message": said, "fields": {}}

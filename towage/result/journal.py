@@ -24,6 +24,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from towage import reading
 from towage.errors import FileError
 from towage.files import sealed, unsealed
 from towage.result.records import Event
@@ -158,7 +159,7 @@ def read(file: IO[bytes]) -> Kept | None:
 def _take(kept: Kept, tag: bytes, said: Any) -> None:
     """What a frame of JSON says. Raises ValueError and TypeError where it is none of towage's."""
     if tag == b"E":
-        kept.events.append(Event(**said))
+        kept.events.append(msgspec.convert(said, Event))
     elif tag == b"M":
         kept.messages.append(msgspec.convert(said, Message))
     else:
@@ -182,10 +183,13 @@ def _frame(file: IO[bytes], width: int) -> tuple[bytes, bytes] | None:
 def read_at(path: Path) -> Kept:
     """What the journal at ``path`` holds. Raises `FileError` where there is none."""
     try:
+        reading.checked_file(path, reading.MAX_RESULT)
         with open(path, "rb") as file:
             kept = read(file)
     except OSError as error:
         raise FileError(f"cannot read {path}: {error.strerror}") from error
+    except reading.Refused as refused:
+        raise FileError(f"cannot read {path}: {refused}") from refused
     if kept is None:
         raise FileError(f"{path} is no journal of a run, or one that was never begun")
     return kept

@@ -99,13 +99,14 @@ def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Desig
     """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT"), the first target changing slowest. Raises `SceneError`
     for a range that does not fit the scene."""
     axes = _axes(scene, ranges, fmus)
-    columns = []
+    counts = []
     for axis in axes:
         if axis.vary.count is None:
             raise SceneError(f"{axis.vary.target}: how many values? Write FROM:TO:COUNT, or use --sobol", key=VARY)
-        columns.append(_checked(axis, np.linspace(axis.low, axis.high, axis.vary.count)))
-    shape = tuple(len(column) for column in columns)
-    _refuse_too_many(math.prod(shape))
+        counts.append(axis.vary.count)
+    _refuse_too_many(math.prod(counts))
+    columns = [_checked(axis, np.linspace(axis.low, axis.high, count)) for axis, count in zip(axes, counts)]
+    shape = tuple(counts)
     points = np.stack([part.ravel() for part in np.meshgrid(*columns, indexing="ij")], axis=1)
     return _design(axes, points, shape, "grid " + "; ".join(ranges))
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from towage.files import atomic_write
+from towage.files import atomic_write, sealed, unsealed
 from towage.models.slender import critical as slender_critical
 from towage.models.slender.coefficients import Body
 from towage.models.slender.modes import growth_rate, matrices
@@ -108,14 +108,14 @@ def _kept(body: Body, value: float, u_max: float) -> Row:
     key = hashlib.sha256(json.dumps([code_digest(__name__), asdict(body), u_max, FUNCTIONS]).encode()).hexdigest()[:32]
     path = cache() / "stability" / f"{key}.json"
     try:
-        return _row_of(json.loads(path.read_text("utf-8")), value)
+        return _row_of(unsealed(path.read_bytes()), value)
     except (OSError, ValueError, KeyError, TypeError):
         pass
     made = row(body, value, u_max)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as stream:
-            stream.write(json.dumps(asdict(made)).encode())
+            stream.write(sealed(asdict(made)))
     except OSError:
         pass
     return made

@@ -45,8 +45,11 @@ class Unit:
     ``inputs`` tells where in ``input_buffer`` the connected inputs live; ``values`` are those of ``outputs`` at the end of
     the last step, by place (``slot``). What the scene wants of the unit is ``wanted``.
 
-    ``advance(time, size)`` passes the input buffer on, steps by ``size`` s and reads the outputs.
+    ``advance(time, size)`` passes the input buffer on, steps by ``size`` s and reads the outputs. ``lacks``: of a unit in a
+    process of its own, what the system does not deny it.
     """
+
+    lacks: list[str] | None = None
 
     def __init__(self, name: str, description: Description, directory: Path, wanted: Wanted) -> None:
         self.name = name

@@ -143,9 +143,12 @@ class DescriptionReader3(DescriptionReader):
             )
 
     def length(self, dimension: ElementTree.Element) -> int:
-        """Of one dimension of an array."""
+        """Of one dimension of an array. Raises `InvalidDescription`."""
         reference = dimension.get("valueReference")
-        return self.sizes.get(reference, 0) if reference else number_of(dimension, "start", int) or 0
+        length = self.sizes.get(reference, 0) if reference else number_of(dimension, "start", int) or 0
+        if length < 0:
+            raise InvalidDescription(f"an array has a dimension of {length} elements")
+        return length
 
     @staticmethod
     def starts(element: ElementTree.Element, tag: str) -> list[Value]:

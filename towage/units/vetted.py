@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any, NamedTuple
 from msgspec.structs import replace
 
 from towage import reading
-from towage.files import atomic_write
+from towage.files import atomic_write, sealed, unsealed
 from towage.units.description import Description
 from towage.units.doubt import THEREFORE, What, without
 from towage.units.store import cache
@@ -57,7 +56,7 @@ def write(path: Path, document: Mapping[str, Any]) -> None:
     place = _place(path)
     place.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(place) as stream:
-        stream.write(json.dumps(document).encode())
+        stream.write(sealed(document))
 
 
 def found(path: Path) -> tuple[Found, ...]:
@@ -72,7 +71,7 @@ def found(path: Path) -> tuple[Found, ...]:
 @lru_cache(maxsize=64)
 def _read(place: Path, stamp: int) -> tuple[Found, ...]:
     try:
-        trials = json.loads(place.read_text("utf-8"))["trials"]
+        trials = unsealed(place.read_bytes())["trials"]
         against = (t for t in trials if t["level"] in ("warning", "fault") and t["name"] in HEED)
         return tuple(Found(t["name"], str(t["message"])) for t in against)
     except (ValueError, KeyError, TypeError):

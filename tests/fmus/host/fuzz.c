@@ -1,9 +1,9 @@
 /* Hostile random calls of the FMI 2 and FMI 3 layers, for the sanitizers: wrong order, wrong references, wrong sizes,
  * null pointers, NaN, damaged states.
  *
- *     fuzz SEED CALLS
+ *     fuzz SEED TURNS
  *
- * Beside not crashing and not leaking: no status is Fatal (there is memory), OK only where the order of calls allows
+ * A turn is one hostile call and what it takes to judge it, as the state before and after. Beside not crashing and not leaking: no status is Fatal (there is memory), OK only where the order of calls allows
  * it, no number that comes with OK is infinite or NaN, and a refused setting changes nothing. */
 #include "fuzz.h"
 
@@ -17,7 +17,8 @@
 #include "unit.h"
 
 static uint64_t seed;
-static long calls, accepted;
+static long turn, calls, accepted;
+static size_t width; /* the most values that a legal call has */
 
 /* xorshift64*: the same on every machine */
 static uint64_t bits(void)
@@ -61,7 +62,7 @@ void draw(Call *call)
         call->others[i] = reference();
         call->orders[i] = chance(0.9) ? 1 : (int)below(6) - 1;
     }
-    for (size_t i = 0; i < MOST_VALUES; i++) {
+    for (size_t i = 0; i < width; i++) {
         const unsigned r = call->references[i % MOST_REFERENCES];
         const double start = r < variables ? towage_unit.variable[r].start : 1.0;
         call->values[i] = number(start != 0.0 ? start : uniform() - 0.5);
@@ -69,10 +70,23 @@ void draw(Call *call)
     }
 }
 
+static void measure(void)
+{
+    const size_t states = (size_t)towage_unit.states, indicators = (size_t)towage_unit.indicators;
+    size_t longest = indicators > 1 ? indicators : 1;
+    for (int r = 0; towage_unit.length && r < (int)towage_unit.variables; r++)
+        if ((size_t)towage_unit.length[r] > longest) longest = (size_t)towage_unit.length[r];
+    width = MOST_REFERENCES * longest > states ? MOST_REFERENCES * longest : states;
+    if (width < 9) width = 9;
+    if (width > MOST_VALUES) width = MOST_VALUES;
+}
+
+void counted(int made) { calls += made; }
+
 static void verify(bool condition, const char *what, const char *how)
 {
     if (condition) return;
-    fprintf(stderr, "call %ld: %s%s\n", calls, what, how);
+    fprintf(stderr, "turn %ld: %s%s\n", turn, what, how);
     abort();
 }
 
@@ -81,6 +95,7 @@ void check(bool condition, const char *what) { verify(condition, what, ""); }
 int judge(const char *what, int status, bool legal, const double *results, size_t count)
 {
     enum { OK, DISCARD = 2, ERROR };
+    counted(1);
     verify(status == OK || status == DISCARD || status == ERROR, what, ": neither OK, Discard nor Error");
     if (status == OK) {
         verify(legal, what, ": OK where it may not be called so");
@@ -93,12 +108,13 @@ int judge(const char *what, int status, bool legal, const double *results, size_
 int main(int count, char **words)
 {
     if (count != 3) {
-        fprintf(stderr, "fuzz SEED CALLS\n");
+        fprintf(stderr, "fuzz SEED TURNS\n");
         return 2;
     }
     seed = strtoull(words[1], NULL, 10) * 0x9E3779B97F4A7C15u + 1;
+    measure();
     const long last = atol(words[2]);
-    for (calls = 0; calls < last; calls++) {
+    for (turn = 0; turn < last; turn++) {
         if (chance(0.5))
             play2();
         else
@@ -106,6 +122,6 @@ int main(int count, char **words)
     }
     end2();
     end3();
-    printf("%ld calls, %ld accepted\n", calls, accepted);
+    printf("%ld turns, %ld calls, %ld accepted\n", turn, calls, accepted);
     return 0;
 }

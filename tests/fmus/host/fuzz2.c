@@ -53,6 +53,7 @@ static void create(void)
     now.exchange = chance(0.5);
     now.it = fmi2Instantiate("100%s%n", now.exchange ? fmi2ModelExchange : fmi2CoSimulation, guid, NULL,
                              &hosts[chance(0.9) ? 0 : 1], fmi2False, fmi2True);
+    counted(2);
     check((now.it == NULL) == wrong, "fmi2Instantiate");
     now.stage = now.it ? CREATED : NONE;
 }
@@ -109,6 +110,7 @@ static size_t state_bytes(fmi2Byte *bytes, size_t room)
     fmi2FMUstate state = NULL;
     size_t size = 0;
     if (fmi2GetFMUstate(now.it, &state) != fmi2OK) return 0; /* with parameters that make no sense there is none */
+    counted(4);
     check(fmi2SerializedFMUstateSize(now.it, state, &size) == fmi2OK && size <= room, "fmi2SerializedFMUstateSize");
     check(fmi2SerializeFMUstate(now.it, state, bytes, size) == fmi2OK, "fmi2SerializeFMUstate");
     check(fmi2FreeFMUstate(now.it, &state) == fmi2OK && !state, "fmi2FreeFMUstate");
@@ -158,6 +160,7 @@ static void step(void)
     double last;
     if (judge("fmi2DoStep", fmi2DoStep(it(), from, size, fmi2True), at(RUNNING) && !now.exchange, NULL, 0) == fmi2OK)
         now.time = from + size;
+    counted(now.stage != UNSURE);
     if (now.stage != UNSURE && fmi2GetRealStatus(it(), fmi2LastSuccessfulTime, &last) == fmi2OK)
         check(last == now.time, "fmi2GetRealStatus: fmi2LastSuccessfulTime");
 }
@@ -254,7 +257,7 @@ static void other(Call *c)
 
 void play2(void)
 {
-    Call call;
+    static Call call; /* only its beginning is drawn */
     draw(&call);
     if (!now.it || chance(0.002) || (now.stage == UNSURE && chance(0.05))) {
         create();

@@ -1,12 +1,17 @@
 """What a data file holds: variables with their dimensions and attributes, missing values as nan.
 
-netCDF of every kind is read with netCDF4, which applies ``_FillValue``, ``missing_value``, ``valid_range``, ``scale_factor``
-and ``add_offset``. GRIB needs the extra ``grib`` (cfgrib, eccodes).
+netCDF of every kind, and with the extra ``grib`` (cfgrib, eccodes) GRIB, are read by libraries in C, in a process of their own
+(`towage.routing.forecast.library`): what a file makes of them, a crash, an endless loop, memory without end, is a fault of the
+file. The process serves the files of a run one after another; one that refused a file or ended is not used again.
 """
 
 from __future__ import annotations
 
-import warnings
+import atexit
+import contextlib
+import json
+import os
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,10 +24,14 @@ from numpy.typing import NDArray
 
 from towage import reading
 from towage.errors import SceneError
+from towage.files import scratch
+from towage.process.child import Child, Died
 
 Array = NDArray[np.float64]
-MOST_VALUES = 64_000_000
-"""Of a variable, unpacked."""
+PATIENCE = 300.0
+"""Longest wait for an answer, s: the process has limits of its own (`library`)."""
+_serving: dict[int, Child] = {}
+"""The process that reads, by the id of this one, which a fork changes."""
 
 
 @dataclass(frozen=True)
@@ -54,78 +63,71 @@ def opened(path: Path, notes: list[str]) -> Iterator[list[Contents]]:
     """Variables of a file, numeric ones alone: one group for netCDF, one for every kind of message for GRIB. What the
     reader warns of goes into ``notes``. Raises `SceneError` for a file that cannot be read."""
     try:
+        reading.checked_file(path)
         with open(path, "rb") as stream:
             start = stream.read(8)
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", file=path) from error
-    if start.startswith(b"GRIB"):
-        yield _grib(path)
-        return
-    if not start.startswith((b"CDF", b"\x89HDF")):
+    except reading.Refused as refused:
+        raise SceneError(str(refused), file=path) from refused
+    if not start.startswith((b"CDF", b"\x89HDF", b"GRIB")):
         raise SceneError("is neither a netCDF nor a GRIB file: expected it to begin with 'CDF', '\\x89HDF' or 'GRIB', "
                          f"found {start[:4]!r}", file=path)  # fmt: skip
-    from netCDF4 import Dataset
+    found = _asked(path, notes, {})
+    yield [
+        {
+            each["name"]: Variable(path, each["name"], tuple(each["dims"]), tuple(each["shape"]), each["attributes"],
+                                   partial(_values, path, notes, k, each["name"], tuple(each["shape"])))
+            for each in group
+        } for k, group in enumerate(found["groups"])
+    ]  # fmt: skip
 
+
+def _values(path: Path, notes: list[str], group: int, name: str, shape: tuple[int, ...]) -> Array:
+    with scratch() as folder:
+        into = folder / "values"
+        _asked(path, notes, {"group": group, "name": name, "into": str(into)}, f"{name}: ")
+        return np.fromfile(into).reshape(shape)
+
+
+def _asked(path: Path, notes: list[str], question: dict[str, Any], what: str = "") -> dict[str, Any]:
+    """The answer to a question about a file. Raises `SceneError` where there is none."""
+    child = _serving.get(os.getpid()) or _started()
     try:
-        with reading.foreign(path, "netCDF file"):
-            data = Dataset(path)
-            reading.limited(max((each.size for each in data.variables.values()), default=0), MOST_VALUES, "values")
-    except reading.Refused as refused:
-        raise SceneError(str(refused), file=path) from refused
-    with data, warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        group = {name: _netcdf(path, name, each) for name, each in data.variables.items() if _numeric(each.dtype)}
-        if not group:
-            inner = f"; its groups ({', '.join(data.groups)}) are not looked into" if data.groups else ""
-            raise SceneError(f"has no numeric variables{inner}", file=path)
-        yield [group]
-    notes += dict.fromkeys(f"{path.name}: {warning.message}" for warning in said)
+        answer = child.ask((json.dumps({"file": str(path.absolute()), **question}) + "\n").encode(), None, PATIENCE)
+    except Died as death:
+        _end()
+        raise SceneError(f"{what}cannot be read: the library that reads it {_fate(death)}", file=path) from None
+    except BaseException:  # its answer is yet to come
+        _end()
+        raise
+    notes += [note for said in answer["notes"] if (note := f"{path.name}: {said}") not in notes]
+    if "refused" in answer:
+        _end()
+        raise SceneError(f"{what}{answer['refused']}", file=path)
+    return answer
 
 
-def _numeric(dtype: Any) -> bool:
-    return isinstance(dtype, np.dtype) and np.issubdtype(dtype, np.number)
+def _started() -> Child:
+    _serving.clear()  # a process of the parent of this one is not its own
+    _serving[os.getpid()] = Child("towage.routing.forecast.library")
+    return _serving[os.getpid()]
 
 
-def _netcdf(path: Path, name: str, variable: Any) -> Variable:
-    def load() -> Array:
-        try:
-            with reading.foreign(path, "netCDF file"):
-                return _plain(variable[...])
-        except reading.Refused as refused:
-            raise SceneError(f"{name}: {refused}", file=path) from refused
-
-    attributes = {key: variable.getncattr(key) for key in variable.ncattrs()}
-    return Variable(path, name, tuple(variable.dimensions), tuple(variable.shape), attributes, load)
+@atexit.register
+def _end() -> None:
+    """End the process that reads."""
+    if child := _serving.pop(os.getpid(), None):
+        with child:
+            child.end()
 
 
-def _plain(values: Any) -> Array:
-    """Floats with nan in place of what is masked."""
-    return np.asarray(np.ma.filled(np.ma.asarray(values, dtype=float), np.nan))
-
-
-def _values(column: Any) -> Array:
-    return _plain(column.values)
-
-
-def _grib(path: Path) -> list[Contents]:
-    """All messages of a GRIB file. Nothing is written beside it."""
-    try:
-        import cfgrib  # type: ignore[import-untyped,unused-ignore]
-    except (ImportError, RuntimeError) as error:
-        raise SceneError(f"is a GRIB file; to read it: pip install 'towage[grib]' ({error})", file=path) from error
-    try:
-        with reading.foreign(path, "GRIB file"), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of xarray's future defaults, which cfgrib relies on
-            sets = cfgrib.open_datasets(str(path), backend_kwargs={"indexpath": ""}, decode_times=False)
-    except reading.Refused as refused:
-        raise SceneError(str(refused), file=path) from refused
-    groups = []
-    for data in sets:
-        numeric = {str(name): column for name, column in data.variables.items() if np.issubdtype(column.dtype, np.number)}
-        groups.append({
-            name: Variable(path, name, tuple(map(str, column.dims)), column.shape, dict(column.attrs), partial(_values, column))
-            for name, column in numeric.items()
-        })  # fmt: skip
-    if not groups:
-        raise SceneError("has no messages", file=path)
-    return groups
+def _fate(death: Died) -> str:
+    """How a process ended."""
+    if death.code is None:
+        return "made no progress and was stopped"
+    with contextlib.suppress(ValueError):
+        name = signal.Signals(-death.code).name if death.code < 0 else ""
+        hint = {"SIGXCPU": " (used up its processor time)", "SIGKILL": " (perhaps the machine ran out of memory)"}.get(name, "")
+        return f"crashed ({name}){hint}" if name else f"ended with exit code {death.code}"
+    return f"crashed (signal {-death.code})"
