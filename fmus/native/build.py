@@ -11,6 +11,7 @@ import uuid
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
 import casadi as ca
@@ -34,16 +35,18 @@ from .trace import trace
 from .traced import Traced
 
 RUNTIME = Path(__file__).resolve().parent / "runtime"
+NOTHING: Mapping[str, str] = MappingProxyType({})
 
 
-def runtime_sources(fmi: int, kernels: Sequence[Kernel] = (), chain: bool = False) -> dict[str, bytes]:
-    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, without
-    ``chain`` but for a wire, and without ``kernel`` where there are none, and those that are made from Python. The archive
-    has them in one folder: FMI 2 names files in ``sources/`` alone."""
-    spared = (*(() if chain else ("chain",)), *(() if kernels else ("kernel",)))
+def runtime_sources(fmi: int, kernels: Sequence[Kernel] = (), headers: Mapping[str, str] = NOTHING) -> dict[str, bytes]:
+    """The C files that serve every unit, by name: those of ``runtime/`` without the other version of FMI, without ``kernel``
+    where there are none, and without ``chain`` where there are no ``headers`` of a wire; and those that are made from
+    Python. The archive has them in one folder: FMI 2 names files in ``sources/`` alone."""
+    spared = [folder for folder, wanted in (("chain", headers), ("kernel", kernels)) if not wanted]
     left_out = ("fmi3" if fmi == 2 else "fmi2", *spared)
     files = sorted(file for file in RUNTIME.rglob("*.[ch]") if file.parent.name not in left_out)
     made = {"constants.h": constants_header().encode(), "stages.h": runtime_stages().encode()}
+    made |= {name: text.encode() for name, text in headers.items()}
     if kernels:
         made |= kernel_sources(kernels)
     return {file.name: file.read_bytes() for file in files} | made
@@ -53,9 +56,7 @@ def contents(traced: Traced, fmi: int, reference: Reference | None) -> dict[str,
     """The members of the archive but for its libraries. ``reference`` is the reference run, None where there is none."""
     interface = traced.interface
     name = interface.unit.name
-    sources = runtime_sources(fmi, traced.kernels, bool(traced.headers))
-    sources |= {"model.c": model_source(traced.functions).encode()}
-    sources |= {name: text.encode() for name, text in traced.headers.items()}
+    sources = runtime_sources(fmi, traced.kernels, traced.headers) | {"model.c": model_source(traced.functions).encode()}
     files = sorted(["unit.c", *(file for file in sources if file.endswith(".c"))])
 
     def members(token: str) -> dict[str, bytes]:

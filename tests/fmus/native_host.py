@@ -89,7 +89,8 @@ def unpack(fmu: Path, fmi: int, directory: Path, step: float = 0.1, steps: int =
 def write_sources(traced: Traced, directory: Path) -> list[Path]:
     """All C files of a unit with both versions of FMI; headers are written beside them."""
     members = native_fmu.contents(traced, 2, "")
-    sources = runtime_sources(2, traced.kernels) | runtime_sources(3, traced.kernels)
+    needed = traced.kernels, traced.headers
+    sources = runtime_sources(2, *needed) | runtime_sources(3, *needed)
     sources |= {name: members[f"sources/{name}"] for name in ("model.c", "unit.c")}
     directory.mkdir(parents=True, exist_ok=True)
     for name, text in sources.items():

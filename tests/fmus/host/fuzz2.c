@@ -54,7 +54,7 @@ static void create(void)
     now.it = fmi2Instantiate("100%s%n", now.exchange ? fmi2ModelExchange : fmi2CoSimulation, guid, NULL,
                              &hosts[chance(0.9) ? 0 : 1], fmi2False, fmi2True);
     counted(2);
-    check((now.it == NULL) == wrong, "fmi2Instantiate");
+    check((now.it == NULL) == (wrong || (now.exchange && towage_unit.steps)), "fmi2Instantiate");
     now.stage = now.it ? CREATED : NONE;
 }
 

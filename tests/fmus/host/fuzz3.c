@@ -48,7 +48,8 @@ static void create(void)
                                                         chance(0.1) ? NULL : listen, NULL);
     now.events = events && !now.exchange;
     counted(2);
-    check((now.it == NULL) == (wrong || (now.events && !has_events)), "fmi3Instantiate");
+    const bool lacks = now.exchange ? towage_unit.steps != NULL : events && !has_events;
+    check((now.it == NULL) == (wrong || lacks), "fmi3Instantiate");
     now.stage = now.it ? CREATED : NONE;
 }
 
@@ -65,35 +66,23 @@ static void move(Stage stage)
 static void order(void)
 {
     const double start = number(0.0), stop = number(20.0);
-    const bool stops = chance(0.3);
-    switch (below(8)) {
-    case 0:
-    case 1:
-    case 2:
-        if (judge("fmi3EnterInitializationMode", fmi3EnterInitializationMode(it(), false, 0.0, start, stops, stop),
-                  at(CREATED), NULL, 0)
-            == fmi3OK) {
-            move(INITIALIZING_NOW);
-            now.time = start;
-        }
-        break;
-    case 3:
-    case 4:
-    case 5:
-        if (judge("fmi3ExitInitializationMode", fmi3ExitInitializationMode(it()), at(INITIALIZING_NOW), NULL, 0)
-            == fmi3OK) {
-            move(RUNNING);
-            now.continuous = false;
-        }
-        break;
-    case 6:
-        if (chance(0.3) && judge("fmi3Terminate", fmi3Terminate(it()), at(RUNNING), NULL, 0) == fmi3OK) move(ENDED);
-        break;
-    default:
-        if (chance(0.3) && fmi3Reset(it()) == fmi3OK) {
-            now.stage = CREATED;
-            now.time = 0.0;
-        }
+    const unsigned turn = below(8), stops = chance(0.3);
+    int status;
+    if (turn < 3) {
+        status = fmi3EnterInitializationMode(it(), false, 0.0, start, stops, stop);
+        if (judge("fmi3EnterInitializationMode", status, at(CREATED), NULL, 0) != fmi3OK) return;
+        move(INITIALIZING_NOW);
+        now.time = start;
+    } else if (turn < 6) {
+        status = fmi3ExitInitializationMode(it());
+        if (judge("fmi3ExitInitializationMode", status, at(INITIALIZING_NOW), NULL, 0) != fmi3OK) return;
+        move(RUNNING);
+        now.continuous = false;
+    } else if (turn < 7 && chance(0.3)) {
+        if (judge("fmi3Terminate", fmi3Terminate(it()), at(RUNNING), NULL, 0) == fmi3OK) move(ENDED);
+    } else if (chance(0.3) && fmi3Reset(it()) == fmi3OK) {
+        now.stage = CREATED;
+        now.time = 0.0;
     }
 }
 
