@@ -3,8 +3,9 @@
  *
  *     fuzz SEED TURNS
  *
- * A turn is one hostile call and what it takes to judge it, as the state before and after. Beside not crashing and not leaking: no status is Fatal (there is memory), OK only where the order of calls allows
- * it, no number that comes with OK is infinite or NaN, and a refused setting changes nothing. */
+ * A turn is one hostile call and what it takes to judge it, as the state before and after. Beside not crashing and not
+ * leaking: no status is Fatal (there is memory), OK only where the order of calls allows it, no number that comes with
+ * OK is infinite or NaN, and a refused setting changes nothing. */
 #include "fuzz.h"
 
 #include <float.h>

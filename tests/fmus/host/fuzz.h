@@ -25,7 +25,7 @@ double hostile(void);        /* NaN, infinite, huge, tiny */
 double number(double usual); /* about `usual`, rarely hostile */
 void draw(Call *);           /* references mostly of variables, values that mostly fit them */
 
-void counted(int calls);     /* made beside those that are judged */
+void counted(int calls); /* made beside those that are judged */
 
 /* Ends the program with the call's name if what it says is against the standard or the contract. */
 void check(bool condition, const char *what);
