@@ -175,17 +175,14 @@ static void modes(void)
     const bool here = (now.exchange || now.events) && at(RUNNING);
     const bool inside = here && (now.continuous || now.stage == UNSURE);
     const bool between = here && (!now.continuous || now.stage == UNSURE);
-    switch (below(4)) {
+    switch (below(3)) {
     case 0:
         if (judge("fmi3EnterEventMode", fmi3EnterEventMode(it()), inside, NULL, 0) == fmi3OK) now.continuous = false;
         break;
     case 1:
-        if (judge("fmi3EnterContinuousTimeMode", fmi3EnterContinuousTimeMode(it()), between && now.exchange, NULL, 0)
-            == fmi3OK)
-            now.continuous = true;
-        break;
-    case 2:
-        if (judge("fmi3EnterStepMode", fmi3EnterStepMode(it()), between && now.events, NULL, 0) == fmi3OK)
+        if (judge("fmi3EnterStepMode", fmi3EnterStepMode(it()), between && now.events, NULL, 0) == fmi3OK
+            || judge("fmi3EnterContinuousTimeMode", fmi3EnterContinuousTimeMode(it()), between && now.exchange, NULL, 0)
+                   == fmi3OK)
             now.continuous = true;
         break;
     default:
@@ -287,14 +284,7 @@ void play3(void)
     case 3: derivatives(&call); break;
     case 4: state(); break;
     case 5:
-    case 6:
-        if (now.exchange)
-            exchange(&call);
-        else if (chance(now.events ? 0.5 : 0.05))
-            modes();
-        else
-            step();
-        break;
+    case 6: now.exchange ? exchange(&call) : chance(now.events ? 0.5 : 0.05) ? modes() : step(); break;
     default: chance(0.9) ? order() : other(&call);
     }
 }

@@ -50,12 +50,21 @@ void hessenberg(int n, double *a, double *q, double *work)
     }
 }
 
+/* The root with a real part that is not negative, as csqrt, which Wine has not. */
+static Complex square_root(Complex z)
+{
+    const double x = creal(z), y = cimag(z), larger = sqrt(0.5 * (magnitude(z) + fabs(x)));
+    if (!(larger > 0.0)) return 0.0;
+    const double smaller = 0.5 * (y / larger);
+    return x > 0.0 ? larger + smaller * I : fabs(smaller) + copysign(larger, y) * I;
+}
+
 /* Eigenvalue of the trailing 2 by 2 block that is closer to its last element (Wilkinson). */
 static Complex shift(int n, const Complex *t, int last)
 {
     const Complex a = T(last - 1, last - 1), d = T(last, last), bc = times(T(last - 1, last), T(last, last - 1));
     const Complex half = 0.5 * (a - d);
-    Complex root = csqrt(times(half, half) + bc);
+    Complex root = square_root(times(half, half) + bc);
     if (creal(half) * creal(root) + cimag(half) * cimag(root) < 0.0) root = -root;
     const Complex below = half + root;
     return size1(below) > 0.0 ? d - bc / below : d;

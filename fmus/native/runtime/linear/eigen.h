@@ -18,7 +18,7 @@ static inline Complex times(Complex a, Complex b)
     return product.value;
 }
 
-/* cabs, which Wine has not. */
+/* As cabs, which Wine has not. */
 static inline double magnitude(Complex z) { return hypot(creal(z), cimag(z)); }
 
 /* A becomes H = Q' A Q, upper Hessenberg, by Householder reflections; Q n by n or NULL. work: n. */
