@@ -89,7 +89,9 @@ def main() -> int:
     for unit in units:
         calls, accepted, turns = (unit.counts[key] for key in ("calls", "accepted", "turns"))
         print(f"| {unit.name} | {calls} | {accepted} | {turns} | {calls / max(unit.spent, 1e-9):.2g} |")
-    print(f"\n{sum(u.counts['calls'] for u in units):.3g} calls of {len(units)} programs, seed {given.seed}, {failed} failed")
+    print(
+        f"\n{sum(u.counts['calls'] for u in units):.3g} calls of {len(units)} programs, seed {given.seed}, {failed} failed"
+    )
     return int(failed > 0)
 
 

@@ -146,6 +146,7 @@ def batch(door: Door, seed: int, begin: int, count: int, folder: Path) -> tuple[
     reading, writing = os.pipe()
     pid = os.fork()
     if not pid:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.close(reading)
         for name in (1, 2):
             os.dup2(os.open(os.devnull, os.O_WRONLY), name)
