@@ -54,9 +54,12 @@ class Host:
     install: str
     module: str = ""
     variable: str = ""
+    first_order: bool = False
+    """It has a method of order 1 of its own, so that it is compared with the scene's scheme, from which it differs as such a
+    method does; the others have our `jacobi`."""
     own_order: bool = False
-    """It reads outputs before inputs are set (fmpy) or again after they were passed on (Ecos). Outputs that inputs act on
-    without delay are then those of another point, and are left out; what they do to other units is not."""
+    """It reads outputs before inputs are set (fmpy, fmusim) or again after they were passed on (Ecos). Outputs that inputs act
+    on without delay are then those of another point, and are left out; what they do to other units is not."""
 
     def missing(self) -> str:
         """Why it cannot be run here, or nothing."""
@@ -90,10 +93,10 @@ HOSTS = (
     Host("Ecos", "system", "ecos", "pip install ecospy, and libtbb.so.12", "ecospy", own_order=True),
     Host("cofmupy", "system", "cofmupy", "pip install cofmupy", "cofmupy"),
     Host("fmucontainer", "system", "fmucontainer", "pip install fmu-manipulation-toolbox", "fmu_manipulation_toolbox"),
-    Host("OMSimulator", "system", "omsimulator", "built from source", variable="OMSIMULATOR"),
+    Host("OMSimulator", "system", "omsimulator", "built from source", variable="OMSIMULATOR", first_order=True),
     Host("fmpy SSP", "system", "fmpy_ssp", "pip install fmpy", "fmpy"),
     Host("fmpy", "unit", "fmpy_one", "pip install fmpy", "fmpy", own_order=True),
-    Host("fmusim", "unit", "fmusim", "built from source", variable="FMUSIM"),
+    Host("fmusim", "unit", "fmusim", "built from source", variable="FMUSIM", own_order=True),
 )
 
 

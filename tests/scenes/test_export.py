@@ -240,6 +240,9 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*command, *acting]) == 0
     with zipfile.ZipFile(tmp_path / "acting.ssp") as ssp:
         root = ElementTree.fromstring(ssp.read("SystemStructure.ssd"))
-    assert root[0].get("name") == r"a\x1b]0;b\x07 <c> \ufffe"
+    assert (
+        root.get("description") == r"a\x1b]0;b\x07 <c> \ufffe"
+        and root[0].get("name") == root.get("name") == "sea_cliff"
+    )
     with pytest.raises(SystemExit):
         cli.main(["export", "sea_cliff"])

@@ -2,13 +2,16 @@
 
 ``SystemStructure.ssd`` holds components, connectors, connections and units, ``resources/`` the FMUs and one parameter set
 (.ssv) a unit. A connection between two units of measurement carries its factor itself and forbids the host to convert
-once more. The step is in an annotation of the Open Simulation Platform, because SSP 1.0 has no place for it.
+once more. The step is in annotations of the Open Simulation Platform and of OMSimulator, because SSP 1.0 has no place for it;
+OMSimulator opens no system without its own. Its paths take only identifiers for the names of document and system, so that the
+scene's title is the description of the document.
 
 Prefixes are written out, not left to a namespace-aware writer: libcosim reads "ssd:System" as a name.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
@@ -26,10 +29,11 @@ NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
     "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
 PARAMETER_SET = "parameters"
 """Name of the parameter set of every unit: a host that selects sets by name (Ecos) takes those of one name."""
-ANNOTATION = "com.opensimulationplatform"
+ANNOTATION, OMS_ANNOTATION = "com.opensimulationplatform", "org.openmodelica"
 Units = dict[str, UnitDefinition]
 
 
@@ -49,8 +53,10 @@ def write_ssp(export: Export, path: Path) -> None:
 def system_structure(export: Export) -> bytes:
     """``SystemStructure.ssd``. Raises `FmuError` where two FMUs mean different things by one unit of measurement."""
     scene = export.resolved.scene
-    root = _root("ssd:SystemStructureDescription", ("ssd", "ssc", "osp"), scene.title)
-    system = SubElement(root, "ssd:System", {"name": scene.title, "description": scene.description.strip()})
+    name = identifier(scene.file.stem if scene.file else scene.title)
+    root = _root("ssd:SystemStructureDescription", ("ssd", "ssc", "osp", "oms"), name)
+    root.set("description", scene.title)
+    system = SubElement(root, "ssd:System", {"name": name, "description": scene.description.strip()})
     elements = SubElement(system, "ssd:Elements")
     units: Units = {}
     for name, unit in export.resolved.units.items():
@@ -80,13 +86,29 @@ def system_structure(export: Export) -> bytes:
             SubElement(connection, "ssc:LinearTransformation", {"factor": text(c.factor), "offset": text(c.offset)})
         elif c.values:
             _table(connection, c, export.variable(c.source_unit, c.source), export.variable(c.target_unit, c.target))
+    information = SubElement(_annotation(system, OMS_ANNOTATION), "oms:Annotations")
+    step = {
+        "description": "oms-ma",
+        "stepSize": text(export.step),
+        "relativeTolerance": "1e-4",
+    }  # held inputs; no control
+    SubElement(SubElement(information, "oms:SimulationInformation"), "oms:FixedStepMaster", step)
     _define(root, "ssd", units)
     times = {"startTime": "0", "stopTime": text(scene.stop_time)}
-    annotations = SubElement(SubElement(root, "ssd:DefaultExperiment", times), "ssd:Annotations")
-    annotation = SubElement(annotations, "ssc:Annotation", {"type": ANNOTATION})
-    algorithm = SubElement(annotation, "osp:Algorithm")
+    algorithm = SubElement(_annotation(SubElement(root, "ssd:DefaultExperiment", times), ANNOTATION), "osp:Algorithm")
     SubElement(algorithm, "osp:FixedStepAlgorithm", {"baseStepSize": text(export.step)})
     return document(root)
+
+
+def _annotation(parent: Element, kind: str) -> Element:
+    """An annotation of a tool, to be filled."""
+    return SubElement(SubElement(parent, "ssd:Annotations"), "ssc:Annotation", {"type": kind})
+
+
+def identifier(name: str) -> str:
+    """What OMSimulator takes for the name of a model or system: ASCII letters, digits and "_", a letter first."""
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return plain if plain[:1].isalpha() else f"scene_{plain}"
 
 
 def _table(connection: Element, c: ResolvedConnection, source: Variable, target: Variable) -> None:

@@ -17,6 +17,8 @@ from towage.units.description import Value
 REALS = ("Real", "Float64", "Float32")
 INTEGERS = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 TYPES = (*REALS, *INTEGERS, "Boolean", "String", "Enumeration", "Binary")
+STEPS = {"FixedStepAlgorithm": "baseStepSize", "FixedStepMaster": "stepSize"}
+"""Elements of annotations that say a step: of the Open Simulation Platform, of OMSimulator."""
 SILENT = (
     "ElementGeometry", "ConnectorGeometry", "ConnectionGeometry", "SystemGeometry", "GraphicalElements", "MetaData", "Signature",
 )  # fmt: skip
@@ -87,11 +89,16 @@ class Document:
                 self.network.say("warning", f"{place}: <{tag}> is not understood, and ignored")
 
     def annotations(self, element: Element, place: str) -> None:
-        """Of which the step of the Open Simulation Platform is read, and all others are named."""
+        """Of which the steps of the Open Simulation Platform and of OMSimulator are read, and all others are named."""
         for annotation in element:
-            algorithm = next((e for e in annotation.iter() if local(e) == "FixedStepAlgorithm"), None)
+            algorithm = next((e for e in annotation.iter() if local(e) in STEPS), None)
             if algorithm is not None:
-                self.network.step = self.number(algorithm, "baseStepSize", 0.0, f"{place}: FixedStepAlgorithm") or None
+                tag = local(algorithm)
+                step = self.number(algorithm, STEPS[tag], 0.0, f"{place}: {tag}") or None
+                if step and self.network.step not in (None, step):
+                    self.network.say("warning", f"{place}: {tag} says another step, {step:g} s, which is ignored")
+                else:
+                    self.network.step = step or self.network.step
             else:
                 hints = [f"{local(e)} {e.get('value')}" for e in annotation if e.get("value")]
                 kind = f"{annotation.get('type')!r}" + (f" ({', '.join(hints)})" if hints else "")

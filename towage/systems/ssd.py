@@ -27,7 +27,7 @@ def read(files: Files, name: str, file: Path) -> Network:
     reader = Reader(network)
     document = reader.document(files, name)
     root = document.root
-    network.title = root.get("name", "")
+    network.title = root.get("description", "").strip().partition("\n")[0] or root.get("name", "")
     for tag, element in document.children(root, ("System", "DefaultExperiment"), name):
         if tag == "DefaultExperiment":
             start = document.number(element, "startTime", 0.0, f"{name}: DefaultExperiment")

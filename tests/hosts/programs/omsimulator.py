@@ -19,7 +19,9 @@ def run(job: Job) -> Series:
                f"--resultFile={output}", "--stripRoot=true", job["ssp"]]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     if done.returncode or not output.is_file():
-        raise SystemExit(f"OMSimulator ended with {done.returncode}: {(done.stdout + done.stderr)[-500:]}")
+        lines = (done.stdout + done.stderr).splitlines()
+        said = [line for line in lines if line.startswith(("error:", "Loading shared object failed"))] or ["no message"]
+        raise SystemExit(f"OMSimulator ended with {done.returncode}: {said[0]}")
     with output.open(newline="") as file:
         rows = {round(float(row["time"]) / job["step"]): row for row in csv.DictReader(file)}
     return {
