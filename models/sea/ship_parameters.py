@@ -19,9 +19,9 @@ STRUCTURE = Shape._fields
 class HullAndWaves:
     """Box of the hull and components of the sea, SI."""
 
-    length: Annotated[Value, parameter("m", 100.0, "Length of the ship", display="ft", min=1e-3)]
-    breadth: Annotated[Value, parameter("m", 15.0, "Breadth", display="ft", min=1e-3)]
-    draught: Annotated[Value, parameter("m", 5.0, "Draught", display="ft", min=1e-3)]
+    length: Annotated[Value, parameter("m", 40.0, "Length of the ship", display="ft", min=1e-3)]
+    breadth: Annotated[Value, parameter("m", 10.0, "Breadth", display="ft", min=1e-3)]
+    draught: Annotated[Value, parameter("m", 2.5, "Draught", display="ft", min=1e-3)]
     block_coefficient: Annotated[Value, parameter("1", 0.7, "Block coefficient", min=0.1, max=1.0)]
     smith_oblique: Annotated[
         Value, parameter("1", 0.0, "Smith factor: 0 exp(-k T), 1 exp(-k |cos beta| T)", min=0.0, max=1.0)

@@ -147,7 +147,7 @@ CASES = [
     Case(
         "disk", "full where the results go", SOUND, 3, "the disk is full; the earlier file is kept", STOP, full_results
     ),
-    Case("disk", "files are limited to 512 bytes", SOUND, 3, "exceeds the largest file size", STOP, short_files),
+    Case("disk", "files are limited to 512 bytes", shipped, 3, "exceeds the largest file size", STOP, short_files),
     Case("disk", "full where FMUs are unpacked", SOUND, 2, "unpacked: .*No space left", None, full_cache),
     Case(
         "disk", "full where shipped FMUs are built", shipped, 2, "cannot be built: the disk is full", None, full_cache

@@ -110,7 +110,7 @@ DEATHS: list[tuple[str, float | None, str]] = [
 ]  # fmt: skip
 FAILURES: list[tuple[str, float | None, str]] = [
     ("instantiate:error", None, "winch: could not be instantiated"),
-    ("setup:error", None, "winch, t = 0 s: initialisation failed"),
+    ("setup:error", None, "winch, t = 0 s: setting up the experiment failed"),
     ("exit:fatal", None, "winch, t = 0 s: initialisation failed"),
     ("set:fatal@1", NEXT, "winch, t = 1.1 s: setting inputs returned Fatal"),
     ("restore:fatal@1", DUE, "winch, t = 1 s: restoring the state returned Fatal"),
@@ -119,7 +119,7 @@ FAILURES: list[tuple[str, float | None, str]] = [
     ("step:discard@1", DUE, "no step is short enough for a unit .*: winch, Discard"),
     ("step:error@1", DUE, "no step is short enough for a unit .*: winch, Error"),
     ("step:fatal@1", DUE, "winch, t = 1 s: the step returned Fatal"),
-    ("step:pending@1", DUE, "the step returned 5, which is none of the standard's"),
+    ("step:pending@1", DUE, "the step returned Pending"),
     ("step:nonsense@1", DUE, "the step returned 77, which is none of the standard's"),
     ("save:error@1", NEXT, "winch, t = 1.1 s: saving the state returned Error"),
     ("restore:discard@1", DUE, "winch, t = 1 s: restoring the state returned Discard"),

@@ -17,7 +17,7 @@ from towage.fmus.declare.unit import load
 from .cases import NATIVE
 from .native_host import compile_host, rows_of, unpack
 
-EVENTFUL = ("spring_line", "cradle", "cradle_on_line")
+EVENTFUL = ("spring_line", "cradle", "cradle_on_line", "ship_in_sea")
 # a drop from 3 m makes the line slack and taut again, on and after a docking
 DROP = {
     "stiffness": 1e4, "mass": 5e3, "weight_in_water": 2e4, "drag_area": 2.0, "heave_start": 3.0, "docking_time": 3.3,

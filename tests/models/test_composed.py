@@ -53,7 +53,7 @@ def suspended() -> AnyModel:
     return compose({"ship": SHIP, "line": SPRING_LINE, "cradle": CRADLE}, WIRING)
 
 
-def numbers(kind: Any, seed: int = 1) -> Any:
+def random_values(kind: Any, seed: int = 1) -> Any:
     """Parameters of a model, all different, positive."""
     draw = random.Random(seed)
     return kind(**{n: draw.uniform(0.5, 2.0) for n in quantities(kind) if n != "freeze_branches"} | held(kind))
@@ -65,7 +65,7 @@ def held(kind: Any) -> dict[str, float]:
 
 @pytest.mark.parametrize("it", MODELS, ids=lambda m: m.name)
 def test_directional_derivatives_equal_the_rates_that_models_state(it: Any) -> None:
-    p, draw = numbers(it.Parameters), random.Random(2)
+    p, draw = random_values(it.Parameters), random.Random(2)
     compared = 0
     for _ in range(20):
         x, m, u, du = (

@@ -3,16 +3,16 @@
  * The towpoint is displaced by r(t) sum Re X_i exp(-i omega_i t), r a rise over `ramp`; `sea` has for each component
  * omega and the real and imaginary parts of X forward and up, five numbers. `nodes` is the equilibrium. Rows of tension
  * at the top and at the body and of the motion of the body, forward and up, at multiples of `step`. */
+#include "chain_rules.h"
 #include "chain_step.h"
 #include "chain_tableaus.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROW = 4, COMPONENT = 5, D = 2 };
+enum { ROW = 4, COMPONENT = 5, D = 2, VECTORS = 7 };
 
-int point_loads(const double **arguments, double **results, long long *iw, double *w, int memory);
-int point_derivatives(const double **arguments, double **results, long long *iw, double *w, int memory);
+PointFunction point_loads_2d, point_derivatives_2d;
 
 typedef struct {
     long count;
@@ -48,7 +48,8 @@ static void observe(ChainStepper *stepper, double t, const double *nodes, double
     const ChainState *state = &stepper->state;
     Drive drive;
     motion(stepper->data, t, &drive);
-    chain_needed(chain, state->position, state->velocity, state->acceleration, &drive, needed);
+    const Motion at = {state->position, state->velocity, state->acceleration};
+    chain_needed(chain, &at, &drive, needed);
     const double *top = needed + D * (chain->nodes - 1);
     double body[MOST_DIMENSIONS] = {0.0};
     chain_fixture(chain, 0, state->position, state->velocity, state->acceleration, body);
@@ -58,12 +59,12 @@ static void observe(ChainStepper *stepper, double t, const double *nodes, double
 }
 
 /* 0, or 1 where no memory is left or no step is found. `elements`: of `degree`; their `half` lengths and materials;
- * `rule`: points, weights, slopes; `body`: masses, weight, drag; `flow` of the water. */
-int solve(long degree, long elements, const double *half, const double *material, const double *rule,
-          const double *body, const double *flow, const double *nodes, double tolerance, double largest, long count,
-          const double *sea, double ramp, long rows, double step, double *found)
+ * `body`: masses, weight, drag; `flow` of the water. */
+int solve(long degree, long elements, const double *half, const double *material, const double *body,
+          const double *flow, const double *nodes, double tolerance, double largest, long count, const double *sea,
+          double ramp, long rows, double step, double *found)
 {
-    const int fixture_node = 0, points = (int)degree + 1, number = (int)(degree * elements) + 1;
+    const int fixture_node = 0, number = (int)(degree * elements) + 1;
     const double level = 0.0;
     Waves waves = {count, sea, ramp};
     ChainStepper stepper;
@@ -71,19 +72,19 @@ int solve(long degree, long elements, const double *half, const double *material
     Chain chain = {.dimensions = D, .degree = (int)degree, .elements = (int)elements, .nodes = number};
     chain.half = half;
     chain.material = material;
-    chain.points = rule;
-    chain.weights = rule + points;
-    chain.slopes = rule + 2 * points;
+    chain.rule = CHAIN_RULES + degree - 1;
+    chain.growing = chain.elements; /* nothing is paid out */
+    chain.last = 1.0;
     chain.fixtures = 1;
     chain.fixture_node = &fixture_node;
     chain.fixture = body;
     chain.levels = 1;
     chain.level = &level;
     chain.flow = flow;
-    chain.loads = point_loads;
-    chain.derivatives = point_derivatives;
-    double *needed = calloc((size_t)(D * number + chain_work(&chain)), sizeof(double));
-    chain.work = needed + D * number;
+    chain.loads = point_loads_2d;
+    chain.derivatives = point_derivatives_2d;
+    double *needed = calloc((size_t)((1 + VECTORS) * D * number + chain_work(&chain)), sizeof(double));
+    chain.work = needed + (1 + VECTORS) * D * number;
     stepper.chain = chain;
     stepper.tableau = &CHAIN_TABLEAUS[1];
     stepper.tolerance = tolerance;
@@ -91,6 +92,7 @@ int solve(long degree, long elements, const double *half, const double *material
     stepper.motion = motion;
     stepper.data = &waves;
     bool done = chain_stepper_begin(&stepper) && needed;
+    if (done) chain_state_in(&stepper.state, needed + D * number, D * number);
     if (done) memcpy(stepper.state.position, nodes, (size_t)(D * number) * sizeof *nodes);
     for (long k = 0; done && k < rows; k++) {
         done = k == 0 || chain_advance(&stepper, (double)(k - 1) * step, step);

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.verdict.truth import compiled
-from towage.fmus.native.trace_chain import chain_sources
+from towage.fmus.native.trace_chain import chain_headers, point_source
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.wire.chain import Chain
 from towage.models.cable.wire.grading import graded_mesh
@@ -66,12 +66,11 @@ def wire_of(tow: Tow) -> Wire:
 def library() -> ctypes.CDLL:
     """The chain of the native runtime with `tow_truth.c`."""
     folder = Path(tempfile.mkdtemp(prefix="truth"))
-    for name, text in chain_sources(2).items():
+    for name, text in {**chain_headers(), "point.c": point_source()}.items():
         (folder / name).write_text(text)
-    loaded = compiled([*(RUNTIME / f"{name}.c" for name in ("chain", "chain_solve", "chain_step")), folder / "point.c", SOURCE],
-                      RUNTIME, folder)  # fmt: skip
+    loaded = compiled([*RUNTIME.glob("chain*.c"), folder / "point.c", SOURCE], RUNTIME, folder)
     number, whole, pointer = ctypes.c_double, ctypes.c_long, ctypes.c_void_p
-    loaded.solve.argtypes = [whole, whole, *[pointer] * 6, number, number, whole, pointer, number, whole, number, pointer]
+    loaded.solve.argtypes = [whole, whole, *[pointer] * 5, number, number, whole, pointer, number, whole, number, pointer]
     return loaded
 
 
@@ -85,7 +84,6 @@ def solve(tow: Tow, sea: Sea, times: Array, tolerance: float, shape: float, long
     fixture = chain.fixtures[1]
     arrays = [
         0.5 * chain.mesh.lengths, np.hstack([np.broadcast_to(column, (elements, 1)) for column in chain.material]),
-        np.concatenate([chain.rule.points, chain.rule.weights, chain.rule.slopes.ravel()]),
         np.concatenate([*fixture.masses, fixture.weight, fixture.drag]), stream,
         equilibrium(chain, frame, rest.position(chain.mesh.places)),
     ]  # fmt: skip

@@ -13,18 +13,18 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import importlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from towage.data import responses, series, spectra
 from towage.errors import SceneError, suggest
 from towage.fmus.declare.unit import Unit, load
 from towage.reading import Refused
 from towage.units.store import cache, python_given, sources_digest
 
-Reader = Callable[[Path, Mapping[str, Any], list[str]], dict[str, Any]]
-READERS: dict[str, Reader] = {"responses": responses.read, "spectrum": spectra.read, "series": series.read}
+READERS = {"responses": "responses", "spectrum": "spectra", "series": "series"}
+"""Kind of file to the module here whose ``read(path, options, notes)`` gives its numbers; they take long to load."""
 
 
 class Given(NamedTuple):
@@ -99,5 +99,5 @@ def _kept(
     kind: str, path: Path, options: tuple[tuple[str, Any], ...], *stamp: int
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """What a file holds; one that does not change is read once a process, because every run of a sweep asks."""
-    notes: list[str] = []
-    return READERS[kind](path, dict(options), notes), tuple(notes)
+    reader, notes = importlib.import_module(f"towage.data.{READERS[kind]}"), list[str]()
+    return reader.read(path, dict(options), notes), tuple(notes)

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from towage.files import scratch
+from towage.errors import FmuError
+from towage.files import reason, scratch
 
 _LOADED: Counter[Path] = Counter()
 """Instances of this process, by the directory of their unit."""
@@ -29,8 +30,12 @@ def own_library(directory: Path) -> Iterator[Path]:
             yield directory
             return
         with scratch() as folder:
-            for entry in directory.iterdir():
-                _take(entry, folder / entry.name)
+            try:
+                for entry in directory.iterdir():
+                    _take(entry, folder / entry.name)
+            except (OSError, shutil.Error) as error:
+                what = "the libraries that a second instance needs for itself cannot be copied"
+                raise FmuError(f"{what}: {reason(error)}", file=directory) from None
             yield folder
     finally:
         _LOADED[directory] -= 1
