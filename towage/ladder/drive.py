@@ -16,6 +16,9 @@ from towage.ladder.axis import Axis, Level, Trial, Unfit, entry
 SEA_INPUTS = ("wave_height", "wave_period", "wave_direction", "speed")
 OSCILLATOR = ("ramp_time", "mass", "damping", "stiffness", "sdof_tolerance")
 
+OF_A_SEA = ("margin_froude", "margin_slow_sea", "margin_strip", "margin_response")
+"""Margins of a ship in a sea that one in a regular wave has not."""
+
 
 def _calm(trial: Trial) -> str:
     return "" if trial.units("ship_in_sea") else "no ship_in_sea drives it"
@@ -36,7 +39,7 @@ def regular(trial: Trial) -> Trial:
     used, before = ({end.partition(".")[0] for _, *ends in wires for end in ends} for wires in (wiring, trial.wiring))
     kept = {name: unit for name, unit in units.items() if name in used or name not in before}
     scene = structs.replace(trial.scene, units=kept, connections=tuple(text for text, *_ in wiring))
-    gone = [name for name in trial.scene.checks.report_only if name.endswith(("margin_froude", "margin_slow_sea"))]
+    gone = [name for name in trial.scene.checks.report_only if name.endswith(OF_A_SEA)]
     rest = tuple(name for name in scene.checks.report_only if name not in gone)
     return replace(trial, scene=structs.replace(scene, checks=structs.replace(scene.checks, report_only=rest)))
 
