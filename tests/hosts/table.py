@@ -70,7 +70,8 @@ def scene_cells(name: str, tried: Tried) -> Iterator[tuple[str, Cell]]:
             fmu, _ = build_unit(scene_unit(name), Path(directory))
             watch, single = alone(fmu, scene.coupling.step or 0.0, STEPS)
         except (SceneError, TowageError) as error:
-            yield from ((host.name, {"reason": f"is not one FMU: {reason(error)}"}) for host in tried.of("unit"))
+            why = {"reason": f"is not one FMU: {str(error).rpartition('cannot be composed: ')[2]}"}
+            yield from ((host.name, why) for host in tried.of("unit"))
             return
         job = one_job(fmu, Path(directory), scene.coupling.step or 0.0, STEPS, watch, {}, "")
         expected = {signal: single[f"it.{signal}"] for signal in watch}
@@ -141,8 +142,8 @@ def cell(host: Host, job: Job, expected: Series, tried: Tried) -> Cell:
 
 
 def reason(error: Exception) -> str:
-    """The first line of a message, without the names of temporary folders."""
-    text = re.sub(rf"{re.escape(tempfile.gettempdir())}/\S*/", "", str(error).splitlines()[0])
+    """The last line of a message, without the names of temporary folders."""
+    text = re.sub(rf"{re.escape(tempfile.gettempdir())}/[^\s:]*/", "", str(error).strip().splitlines()[-1])
     return text[:200].rstrip(".")
 
 
@@ -178,7 +179,7 @@ def page(kept: Kept) -> str:
     hosts = ", ".join(f"{name} {entry['version'] or entry['reason']}" for name, entry in kept["hosts"].items())
     lines = [f"Hosts: {hosts}. {kept['system']}, {kept['date']}.", "", *table(kept["scenes"], "scene", notes), ""]
     lines += [*table(kept["units"], "unit", notes), ""]
-    return "\n".join([*lines, *(f"({k}) {text}." for k, text in enumerate(notes, 1))])
+    return "\n".join([*lines, *(f"{k}. {text}." for k, text in enumerate(notes, 1))])
 
 
 def put(text: str, path: Path) -> None:
