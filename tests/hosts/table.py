@@ -10,8 +10,11 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import platform
 import re
+import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -24,12 +27,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from tests.hosts.jobs import HOSTS, Host, HostError, Job, Series, alone, difference, one_job, ours, short, system_job
-from towage.errors import SceneError, TowageError
 from towage.fmus import UNITS
 from towage.fmus.declare.unit import load
-from towage.fmus.native.build import build, build_unit
+from towage.fmus.native.build import build
 from towage.fmus.python.build import build as build_python
-from towage.scene.compose import scene_unit
 from towage.scene.scene import available_scenes
 from towage.units.archive import read_description
 
@@ -37,6 +38,8 @@ DOCS = Path(__file__).parents[2] / "docs"
 KEPT, PAGE = DOCS / "hosts.json", DOCS / "hosts.md"
 STEPS = 100
 """Steps of a scene's own length in every host."""
+BUILD_LIMIT = 300
+"""Seconds for a scene as one FMU. Most take some ten; the compiler takes very long over the functions of the largest."""
 Cell = dict[str, Any]
 Kept = dict[str, Any]
 
@@ -66,16 +69,28 @@ def scene_cells(name: str, tried: Tried) -> Iterator[tuple[str, Cell]]:
             yield host.name, cell(host, job, converged if host.first_order else expected, tried)
         if not tried.of("unit"):
             return
-        try:
-            fmu, _ = build_unit(scene_unit(name), Path(directory))
-            watch, single = alone(fmu, scene.coupling.step or 0.0, STEPS)
-        except (SceneError, TowageError) as error:
-            yield from ((host.name, {"reason": f"is not one FMU: {reason(error)}"}) for host in tried.of("unit"))
+        fmu = Path(directory) / f"{name}.fmu"
+        if why := whole(name, fmu.parent):
+            yield from ((host.name, {"reason": why}) for host in tried.of("unit"))
             return
+        watch, single = alone(fmu, scene.coupling.step or 0.0, STEPS)
         job = one_job(fmu, Path(directory), scene.coupling.step or 0.0, STEPS, watch, {}, "")
         expected = {signal: single[f"it.{signal}"] for signal in watch}
         for host in tried.of("unit"):
             yield host.name, cell(host, job, expected, tried)
+
+
+def whole(name: str, directory: Path) -> str:
+    """Builds a scene as one FMU; why there is none, or nothing."""
+    command = [sys.executable, "build_fmus.py", "--scene", name, "--out", str(directory)]
+    with subprocess.Popen(command, cwd=DOCS.parent, stderr=subprocess.PIPE, text=True, start_new_session=True) as build:
+        try:
+            said = build.communicate(timeout=BUILD_LIMIT)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(build.pid, signal.SIGKILL)  # the compiler too
+            return f"is not one FMU: not compiled within {BUILD_LIMIT} s"
+    lines = [line for line in said.splitlines() if line.startswith("[1/1]")] or ["no message"]
+    return f"is not one FMU: {lines[-1].rpartition('cannot be composed: ')[2]}" if build.returncode else ""
 
 
 def unit_cells(name: str, tried: Tried) -> Iterator[tuple[str, Cell]]:
@@ -141,8 +156,8 @@ def cell(host: Host, job: Job, expected: Series, tried: Tried) -> Cell:
 
 
 def reason(error: Exception) -> str:
-    """The first line of a message, without the names of temporary folders."""
-    text = re.sub(rf"{re.escape(tempfile.gettempdir())}/\S*/", "", str(error).splitlines()[0])
+    """The last line of a message, without the names of temporary folders."""
+    text = re.sub(rf"{re.escape(tempfile.gettempdir())}/[^\s:]*/", "", str(error).strip().splitlines()[-1])
     return text[:200].rstrip(".")
 
 
@@ -178,7 +193,7 @@ def page(kept: Kept) -> str:
     hosts = ", ".join(f"{name} {entry['version'] or entry['reason']}" for name, entry in kept["hosts"].items())
     lines = [f"Hosts: {hosts}. {kept['system']}, {kept['date']}.", "", *table(kept["scenes"], "scene", notes), ""]
     lines += [*table(kept["units"], "unit", notes), ""]
-    return "\n".join([*lines, *(f"({k}) {text}." for k, text in enumerate(notes, 1))])
+    return "\n".join([*lines, *(f"{k}. {text}." for k, text in enumerate(notes, 1))])
 
 
 def put(text: str, path: Path) -> None:

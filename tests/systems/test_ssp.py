@@ -333,3 +333,18 @@ def test_arrays_of_ssp_2(tmp_path: Path) -> None:
         == [result[f"a.array[{k}]"][-1] for k in (1, 2, 3)]
         == [4.0, 5.0, 6.0]
     )
+
+
+@pytest.mark.parametrize(("stop", "step"), [("", 0.25), ("2", 0.1)])
+def test_the_step_of_omsimulator_is_read_where_no_other_is_said(stop: str, step: float, tmp_path: Path) -> None:
+    master = '<o:SimulationInformation xmlns:o="http://oms"><o:FixedStepMaster stepSize="0.25"/></o:SimulationInformation>'
+    note = f'<ssd:Annotations><ssc:Annotation type="org.openmodelica">{master}</ssc:Annotation></ssd:Annotations>'
+    path = archive(tmp_path / "s.ssp", ssd(system(component("a"), inside=note), stop=stop))
+    assert Scene.load(path).coupling.step == step
+    assert ("another step, 0.25 s, which is ignored" in said(path)) == (step == 0.1)
+    assert "org.openmodelica" not in said(path)
+
+
+def test_the_description_of_the_document_is_the_title(tmp_path: Path) -> None:
+    text = ssd(system(component("a"))).replace(' name="A system"', ' name="s" description="Two bodies&#10;in a row"')
+    assert Scene.load(archive(tmp_path / "s.ssp", text)).title == "Two bodies"

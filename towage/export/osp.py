@@ -104,9 +104,7 @@ def _connect(root: Element, export: Export, bound: list[Bond]) -> None:
     if converted:
         functions = SubElement(root, "Functions")
         for c, name in converted.items():
-            SubElement(
-                functions, "LinearTransformation", {"name": name, "factor": text(c.factor), "offset": text(c.offset)}
-            )
+            SubElement(functions, "LinearTransformation", {"name": name, "factor": text(c.factor), "offset": text(c.offset)})
     connections = SubElement(root, "Connections") if links else root
     for bond in bound:
         group = SubElement(connections, "VariableGroupConnection")

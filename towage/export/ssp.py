@@ -86,23 +86,25 @@ def system_structure(export: Export) -> bytes:
             SubElement(connection, "ssc:LinearTransformation", {"factor": text(c.factor), "offset": text(c.offset)})
         elif c.values:
             _table(connection, c, export.variable(c.source_unit, c.source), export.variable(c.target_unit, c.target))
-    information = SubElement(_annotation(system, OMS_ANNOTATION), "oms:Annotations")
-    step = {
+    step = _annotation(system, OMS_ANNOTATION, "oms:Annotations", "oms:SimulationInformation", "oms:FixedStepMaster")
+    step.attrib |= {
         "description": "oms-ma",
         "stepSize": text(export.step),
         "relativeTolerance": "1e-4",
-    }  # held inputs; no control
-    SubElement(SubElement(information, "oms:SimulationInformation"), "oms:FixedStepMaster", step)
+    }  # must be there
     _define(root, "ssd", units)
-    times = {"startTime": "0", "stopTime": text(scene.stop_time)}
-    algorithm = SubElement(_annotation(SubElement(root, "ssd:DefaultExperiment", times), ANNOTATION), "osp:Algorithm")
-    SubElement(algorithm, "osp:FixedStepAlgorithm", {"baseStepSize": text(export.step)})
+    experiment = SubElement(root, "ssd:DefaultExperiment", {"startTime": "0", "stopTime": text(scene.stop_time)})
+    step = _annotation(experiment, ANNOTATION, "osp:Algorithm", "osp:FixedStepAlgorithm")
+    step.set("baseStepSize", text(export.step))
     return document(root)
 
 
-def _annotation(parent: Element, kind: str) -> Element:
-    """An annotation of a tool, to be filled."""
-    return SubElement(SubElement(parent, "ssd:Annotations"), "ssc:Annotation", {"type": kind})
+def _annotation(parent: Element, kind: str, *tags: str) -> Element:
+    """An annotation of a tool: the innermost of the elements ``tags``, to be filled."""
+    inner = SubElement(SubElement(parent, "ssd:Annotations"), "ssc:Annotation", {"type": kind})
+    for tag in tags:
+        inner = SubElement(inner, tag)
+    return inner
 
 
 def identifier(name: str) -> str:

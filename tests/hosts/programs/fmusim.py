@@ -24,7 +24,7 @@ def run(job: Job) -> Series:
         command += ["--input-file", job["inputs"]]
     done = subprocess.run([*command, job["fmu"]], capture_output=True, text=True, timeout=600)
     if done.returncode:
-        raise SystemExit(f"fmusim ended with {done.returncode}: {(done.stderr or done.stdout)[-500:]}")
+        raise SystemExit((done.stderr or done.stdout)[-500:])
     with output.open(newline="") as file:
         rows = list(csv.DictReader(file))
     return {name: [float(row[name]) for row in rows] for name in job["watch"]}

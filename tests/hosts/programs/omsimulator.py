@@ -21,7 +21,7 @@ def run(job: Job) -> Series:
     if done.returncode or not output.is_file():
         lines = (done.stdout + done.stderr).splitlines()
         said = [line for line in lines if line.startswith(("error:", "Loading shared object failed"))] or ["no message"]
-        raise SystemExit(f"OMSimulator ended with {done.returncode}: {said[0]}")
+        raise SystemExit(said[0])
     with output.open(newline="") as file:
         rows = {round(float(row["time"]) / job["step"]): row for row in csv.DictReader(file)}
     return {
