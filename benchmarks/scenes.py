@@ -55,7 +55,8 @@ def write(name: str, docs: Path, measures: bool = True) -> None:
             known[case.chosen] = measured(case) | {"key": key}
             kept.parent.mkdir(parents=True, exist_ok=True)
             with atomic_write(kept) as stream:
-                stream.write((json.dumps(known, indent=1, ensure_ascii=False) + "\n").encode())
+                text = json.dumps(known, indent=1, ensure_ascii=False) + "\n"
+                stream.write(text.replace(f"{DOCS.parent}/", "").encode())  # reasons name the file of the scene
         found[case.chosen] = known.get(case.chosen, {}) | {"old": known.get(case.chosen, {}).get("key") != key}
     _page(name, found, docs / "scenes")
 
