@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from towage.checks.check import Finished
+from towage.checks.check import Component, Finished
 from towage.checks.tow_names import OWN, SMALL, WHOLE
 from towage.checks.towing import SceneTow, tolerance_of, tows
 from towage.models.cable.case import CableError
@@ -53,7 +53,7 @@ def judge(run: Finished) -> list[Finding]:
         unit = next(unit for unit in run.system.units if unit.name == tow.name)
         model = unit.constant("model_error") or 0.0
         try:
-            errors = linearity(run, tow)
+            errors = linearity(run, tow, unit)
             found: Linearity | str = replace(errors, bound=errors.bound + max(model, errors.model))
         except (CableError, ValueError) as error:
             found = str(error)
@@ -78,14 +78,14 @@ def resolution_of(name: str, model: float, tolerance: float, report_only: tuple[
     return Margin(variable, 1.0 - model / tolerance, 0.0, decides, "marginal", reason, model, tolerance, remedy)
 
 
-def linearity(run: Finished, tow: SceneTow) -> Linearity:
-    """The errors of a tow in a run, from `settle` of the SDOF check on, without one over the second half. Raises `CableError`."""
+def linearity(run: Finished, tow: SceneTow, unit: Component) -> Linearity:
+    """The errors of a tow in a run, from `settle` of the SDOF check on, without one over the second half; ``unit`` is the tow at
+    work. Raises `CableError`."""
     time, section = run.times, run.scene.scene.checks.get("sdof")
     drive = np.array([drive_of(run, unit, name) * sign for unit, name, sign in inputs_of(run.scene, tow)])
     drive = np.vstack([drive, np.zeros((4 - len(drive), len(time)))])
     quadratic = tow.parameters["body_quadratic_drag"] > 0.5
     settle = section.settle if section else 0.5 * float(time[-1])
-    unit = next(unit for unit in run.system.units if unit.name == tow.name)
     own = None
     if tow.unit == WHOLE:
         steady = [unit.constant(f"steady_{name}") or 0.0 for name in OWN[:2]]

@@ -3,8 +3,7 @@
 Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
 the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
 tolerance: errors of segments and reduction against the frequency domain, error of linearity by the nonlinear equations
-(``models/cable/lumped/linearity.py``). The ladder runs the simplest
-model of all, a body on a spring.
+(``models/cable/lumped/linearity.py``). The ladder runs the simplest model of all, a body on a spring.
 """
 
 from __future__ import annotations
