@@ -43,6 +43,7 @@ docs: $(VENV)/installed-docs               ## the pages made from units, scenes,
 	$(BIN)/python docs/make_units.py
 	$(BIN)/python benchmarks/scenes.py
 	$(BIN)/python docs/make_scenes.py
+	$(BIN)/python docs/make_reports.py
 	$(BIN)/python benchmarks/page.py
 	$(BIN)/python docs/make_api.py
 	$(BIN)/mkdocs build --strict --quiet

@@ -35,12 +35,13 @@ COMMANDS = {
     "route": "towage.commands.route",
     "sweep": "towage.commands.sweep",
     "simplest": "towage.commands.simplest",
+    "reproduce": "towage.commands.reproduce",
     "new": "towage.commands.new",
     "vet": "towage.commands.vet",
 }
 EXIT_CODES = """exit codes:
   0    done, whatever the verdict
-  1    verify: a case is over its tolerance
+  1    verify: a case is over its tolerance; reproduce: a printed number differs without a reason
   2    a scene, an FMU or the command line is refused
   3    a run failed; what it recorded is kept
   4    sweep: some runs were not done, the others are complete

@@ -18,9 +18,13 @@ LARGEST = 150.0
 """|omega| beyond which modes are not drawn: the first five are below."""
 
 
-def argand_plot(path: Path, title: str, speeds: Array, modes: Sequence[ModePath], speed_scale: float) -> None:
+def argand_plot(
+    path: Path, title: str, speeds: Array, modes: Sequence[ModePath], speed_scale: float,
+    names: Sequence[str] = (), unit: str = " m/s",
+) -> None:
     """Omega = -i s of every mode, in 1/tau: rows over ten, since the modes lie far apart along the real axis. Unstable
-    below the line. Speeds are marked in m/s, ``speed_scale`` being u = 1."""
+    below the line. Speeds are marked
+    in ``unit``, ``speed_scale`` being u = 1; ``names`` of the modes: mode 0, 1 ... by default."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
@@ -35,7 +39,7 @@ def argand_plot(path: Path, title: str, speeds: Array, modes: Sequence[ModePath]
             color = CYCLE[k % len(CYCLE)]
             omega = -1j * mode.roots
             omega = np.where(np.abs(omega) < LARGEST, omega, np.nan)
-            axes.plot(omega[:, 0].real, omega[:, 0].imag, color=color, label=f"mode {k}")
+            axes.plot(omega[:, 0].real, omega[:, 0].imag, color=color, label=names[k] if names else f"mode {k}")
             real = ~mode.oscillates
             second = np.where(real, omega[:, 1], np.nan)
             axes.plot(second.real, second.imag, color=color, ls="--")
@@ -43,7 +47,7 @@ def argand_plot(path: Path, title: str, speeds: Array, modes: Sequence[ModePath]
                 axes.plot(omega[j, 0].real, omega[j, 0].imag, "o", ms=3, color=color)
                 if k == max(drawn, default=-1):
                     axes.annotate(
-                        f"{speeds[j] * speed_scale:.3g} m/s", (omega[j, 0].real, omega[j, 0].imag), fontsize=7,
+                        f"{speeds[j] * speed_scale:.3g}{unit}", (omega[j, 0].real, omega[j, 0].imag), fontsize=7,
                         xytext=(4, 3), textcoords="offset points",
                     )  # fmt: skip
         axes.set(xlabel="Re omega tau", ylabel="Im omega tau (growing below 0)", title=title)

@@ -1,0 +1,1 @@
+"""The tables and figures of the four source reports, computed again beside what is printed."""
