@@ -12,7 +12,10 @@ from towage.errors import TowageError
 from towage.reproduce import gallery
 from towage.reproduce.items import REPORTS, Answer, Item, Printed, Reproduction, items, named, reproduce
 
-LONG = {"slender.figure_12", "slender.figure_13", "slender.figure_14", "slender.figure_15a", "slender.figure_15b"}
+LONG = {
+    "cradle.figure_5", "cradle.figure_8", "cradle.figure_10", "cradle.breaking_envelope",
+    "slender.figure_12", "slender.figure_13", "slender.figure_14", "slender.figure_15a", "slender.figure_15b",
+}  # fmt: skip
 """Items that take more than some seconds."""
 EVERY = [
     pytest.param(item, marks=pytest.mark.slow if item.full_name in LONG else (), id=item.full_name)

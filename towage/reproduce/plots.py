@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from towage.files import atomic_write
 from towage.report.plots import CYCLE
 from towage.report.svg import canvas
+from towage.reproduce.items import Column
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,13 +25,14 @@ MARKS = "o^vsDx"
 
 
 def curves(
-    path: Path, *, title: str, across: str, up: str, columns: Mapping[str, Array], log: tuple[bool, bool] = (False, False)
+    path: Path, *, title: str, across: str, up: str, columns: Mapping[str, Column], log: tuple[bool, bool] = (False, False)
 ) -> None:
     """The first column along the axis, the others over it."""
     first, *others = columns
+    data = {name: np.asarray(values, dtype=float) for name, values in columns.items()}
     with canvas(title, path.stem, SIZE[0], [SIZE[1]]) as ((axes,), drawn):
         for k, name in enumerate(others):
-            axes.plot(columns[first], columns[name], color=CYCLE[k % len(CYCLE)], label=name, ls="-" if k < len(CYCLE) else "--")
+            axes.plot(data[first], data[name], color=CYCLE[k % len(CYCLE)], label=name, ls="-" if k < len(CYCLE) else "--")
         _dress(axes, title, across, up, log, len(others) > 1)
     _write(path, drawn)
 
