@@ -208,9 +208,8 @@ def example_4() -> Answer:
     b = 0.5 * 1.9905 * 150.0
     numbers = {
         "weight of the mass": 33050.0 + 8100.0 + 18850.0, "mass": 60000.0 / G,
-        "weight over breaking load": 100.0 * 8100.0 / BREAKS, "omega0 at 100 ft": math.sqrt(1040.0 / 2200.0), "b": b, "B": b * 4.4 / 2200.0,
-        "largest Ymax, B = .3": largest(0.3)[1],
-        "largest motion": 4.4 * largest(0.3)[1],
+        "weight over breaking load": 100.0 * 8100.0 / BREAKS, "omega0 at 100 ft": math.sqrt(1040.0 / 2200.0), "b": b,
+        "B": b * 4.4 / 2200.0, "largest Ymax, B = .3": largest(0.3)[1], "largest motion": 4.4 * largest(0.3)[1],
     }  # fmt: skip
     return Answer(as_complex(numbers), listed(numbers))
 
