@@ -176,7 +176,7 @@ def limits_source() -> str:
     names = {
         stepper: (
             "SLOW", "NEWTON", "SAFETY", "LEAST", "MOST", "LESS", "NO_ERROR", "ROUNDING", "END", "WORTH", "RUNAWAY",
-            "DIVERGING", "MAX_ITERATIONS", "MAX_HALVINGS",
+            "DIVERGING", "MAX_ITERATIONS", "MAX_HALVINGS", "PATIENCE", "PROGRESS",
         ),
         rest: (
             "TOLERANCE", "MARCHED", "FAR", "ARRIVED", "FIRST_TIME", "SHORTER", "SHORTEST", "MAX_NEWTON", "MAX_MARCHES",

@@ -179,6 +179,14 @@ def test_a_violent_towpoint_is_followed() -> None:
     assert np.all(np.isfinite(state.position)) and np.abs(state.position[:, 1]).max() < 150.0
 
 
+def test_steps_that_lead_nowhere_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A span of 1e9 s in steps of at most 0.1 s."""
+    monkeypatch.setattr("towage.models.cable.wire.stepper.PATIENCE", 20)
+    chain, state = begun()
+    with pytest.raises(CableError, match="the wire's motion was not found at t = 2"):
+        Stepper(chain, 1e-3, largest=0.1).advance(0.0, 1e9, state, heave)
+
+
 def test_payout_drags_the_material() -> None:
     """A wire that hangs and is paid out from a held top: the body sinks as fast as wire is added, but for its stretch."""
     chain, r = towed(fish(), 0.0, 2, 4)

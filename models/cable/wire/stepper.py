@@ -45,6 +45,8 @@ NO_ERROR = 1e-12
 """An error over the tolerance below which a step grows no faster."""
 ROUNDING, END = 1e-9, 1e-12
 """Shares of a step, and of a span, that are none."""
+PATIENCE, PROGRESS = 10_000, 0.01
+"""A span is given up where so many steps do less than this share of it: a million at most."""
 WORTH = 1.2
 """A step that would grow by less keeps its factors."""
 
@@ -191,27 +193,37 @@ class Stepper:
                 # Newton's method is at its end
                 most = 1.0
             return replace(after, step=h * min(most, grow)), h
-        raise CableError(
-            f"the wire's motion was not found at t = {t:g} s, with steps down to {h:.3g} s: a tension or a speed changes "
-            f"faster than that, or the wire is folded; give the wire internal damping, or make the motion smoother"
-        )
+        raise not_found(t, h)
 
     def advance(self, t: float, span: float, state: State, motion: Motion) -> State:
-        """State after ``span``, s, in as many steps as the tolerance asks for."""
-        done = 0.0
+        """State after ``span``, s, in as many steps as the tolerance asks for. Raises `CableError` where no step is found, or
+        only ones so short that they lead nowhere (`PATIENCE`)."""
+        done, counted, reached = 0.0, 0, 0.0
         while done < span * (1.0 - END):
             left, before = span - done, state.step
             asked = min(before if before > 0.0 else 0.1 * left, self.largest)
             # equal steps to the end, so that factors are kept
             h = left / math.ceil(left / asked - ROUNDING)
             state, h = self.step(t + done, h, state, motion)
-            done += h
+            done, counted = done + h, counted + 1
+            if counted % PATIENCE == 0:
+                if done - reached < PROGRESS * span:
+                    raise not_found(t + done, h)
+                reached = done
             wanted = min(state.step, self.largest)
             if wanted >= h:
                 # shortened by the end of the span, or not worth new factors
                 wanted = max(before, wanted) if h < asked else (wanted if wanted > WORTH * h else h)
             state = replace(state, step=wanted)
         return state
+
+
+def not_found(t: float, h: float) -> CableError:
+    """Of a motion at ``t`` whose last step was ``h``, s."""
+    return CableError(
+        f"the wire's motion was not found at t = {t:g} s, with steps down to {h:.3g} s: a tension or a speed changes "
+        f"faster than that, or the wire is folded; give the wire internal damping, or make the motion smoother"
+    )
 
 
 def consistent(chain: Chain, r: Array, u: Array, drive: Drive) -> State:

@@ -274,7 +274,8 @@ double chain_step(ChainStepper *stepper, double t, double step)
 bool chain_advance(ChainStepper *stepper, double t, double span)
 {
     ChainState *state = &stepper->state;
-    double done = 0.0;
+    double done = 0.0, reached = 0.0;
+    long counted = 0;
     while (done < span * (1.0 - CHAIN_END)) {
         const double left = span - done, before = state->step;
         const double asked = fmin(before > 0.0 ? before : 0.1 * left, stepper->largest);
@@ -282,6 +283,14 @@ bool chain_advance(ChainStepper *stepper, double t, double span)
         const double first = left / ceil(left / asked - CHAIN_ROUNDING), step = chain_step(stepper, t + done, first);
         if (!(step > 0.0)) return false;
         done += step;
+        if (++counted % CHAIN_PATIENCE == 0) { /* steps that lead nowhere */
+            if (done - reached < CHAIN_PROGRESS * span) {
+                stepper->failed_at = t + done;
+                stepper->failed_step = step;
+                return false;
+            }
+            reached = done;
+        }
         double wanted = fmin(state->step, stepper->largest);
         if (wanted >= step) wanted = step < asked ? fmax(before, wanted) : wanted > CHAIN_WORTH * step ? wanted : step;
         state->step = wanted;
