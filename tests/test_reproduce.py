@@ -13,7 +13,8 @@ from towage.reproduce import gallery
 from towage.reproduce.items import REPORTS, Answer, Item, Printed, Reproduction, items, named, reproduce
 
 LONG = {
-    "cradle.figure_5", "cradle.figure_8", "cradle.figure_10", "cradle.breaking_envelope",
+    "cradle.figure_5", "cradle.figure_8", "cradle.figure_10", "cradle.breaking_envelope", "cable.experiment_with_the_sample",
+    "routing.fronts", "routing.halved_corrections",
     "slender.figure_12", "slender.figure_13", "slender.figure_14", "slender.figure_15a", "slender.figure_15b",
 }  # fmt: skip
 """Items that take more than some seconds."""

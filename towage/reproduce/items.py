@@ -46,13 +46,15 @@ METHODS = 1e-8
 @dataclass(frozen=True)
 class Printed:
     """A number of a report: its text as printed; ``digits`` cut off instead of rounded; the row of the register that says why
-    it differs, if it does; ``unit`` in which it is compared, "" where it has none."""
+    it differs, if it does; ``unit`` in which it is compared, "" where it has none; ``within``: a difference that is none, where
+    the report does not print its inputs and they are known to so much only."""
 
     what: str
     text: str
     unit: str = ""
     cut: bool = False
     register: str = ""
+    within: float = 0.0
 
     @property
     def value(self) -> complex:
@@ -66,7 +68,7 @@ class Printed:
         units = []
         for digits, _, exponent in (part.partition("e") for part in self._parts):
             units.append(10.0 ** (int(exponent or 0) - len(digits.partition(".")[2])))
-        return max(units) * (1.0 if self.cut else 0.5) * (1.0 + 1e-9)
+        return max(max(units) * (1.0 if self.cut else 0.5) * (1.0 + 1e-9), self.within)
 
     @property
     def _parts(self) -> list[str]:

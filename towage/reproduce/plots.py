@@ -49,6 +49,17 @@ def points(
     _write(path, drawn)
 
 
+def loops(path: Path, *, title: str, across: str, up: str, series: Mapping[str, tuple[Array, Array]]) -> None:
+    """Closed curves, both axes of one scale."""
+    with canvas(title, path.stem, SIZE[0], [1.4 * SIZE[1]]) as ((axes,), drawn):
+        for k, (name, (x, y)) in enumerate(series.items()):
+            axes.plot(x, y, color=CYCLE[k % len(CYCLE)], label=name)
+        axes.plot(0.0, 0.0, "k+")
+        axes.set_aspect("equal")
+        _dress(axes, title, across, up, (False, False), True)
+    _write(path, drawn)
+
+
 def shapes(path: Path, *, title: str, across: str, x: Array, modes: Mapping[str, NDArray[np.complex128]]) -> None:
     """Complex shapes over ``x``, a panel each, at `PHASES` phases of a period, the first one drawn strongly."""
     with canvas(title, path.stem, SIZE[0], [1.3] * len(modes)) as (panels, drawn):
