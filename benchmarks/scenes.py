@@ -30,11 +30,11 @@ from towage.files import atomic_write
 from towage.ladder.report import document, ladder_of, markdown, picture
 from towage.ladder.simplest import simplest
 from towage.report.format import number, percent
+from towage.report.svg import STANDALONE
 from towage.scene.scene import Scene, available_scenes
 from towage.units.store import sources_digest
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
 NICE = 10
 MEASURES = ("towage/master", "towage/ladder", "towage/verify")
 """Folders on whose code the numbers depend, beside the models and units; a change of what only writes or refuses is none."""
@@ -142,7 +142,7 @@ def _ladder(told: dict[str, Any], name: str, out: Path) -> str:
     ladder = ladder_of(told)
     if not (drawn := picture(ladder, "ladder")):
         return markdown(ladder)
-    (out / f"{name}.svg").write_text(drawn.replace("<svg ", SVG, 1), encoding="utf-8")
+    (out / f"{name}.svg").write_text(drawn.replace("<svg ", STANDALONE, 1), encoding="utf-8")
     return f"{markdown(ladder)}\n\n![Error over cost of the models]({name}.svg)"
 
 

@@ -12,11 +12,11 @@ import towage
 from towage.checks.verdict import GRAVITY
 from towage.report.format import moment, number, percent
 from towage.report.plots import Plotter
+from towage.report.svg import STANDALONE
 from towage.result.result import Result
 from towage.scene.scene import Scene, available_scenes
 
 PAGES = Path(__file__).with_name("scenes")
-SVG = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
 README = Path(__file__).with_name("sea_cliff.svg"), "sea_cliff", "ship resonance, 3.92 s"
 """The picture of the README, and the scene and case that it is a result of."""
 
@@ -55,7 +55,7 @@ def page(scene: Scene, name: str, results: list[Result], directory: Path) -> tup
         lines += ["", f"![{scene.title}{case}]({name}.svg)", "", f"The gravest case{case}."]
     lines += measured(name, directory)
     lines += ["", "## The scene file", "", "```toml", scene.source.strip(), "```"]
-    return "\n".join(lines) + "\n", picture and picture.replace("<svg ", SVG, 1)
+    return "\n".join(lines) + "\n", picture and picture.replace("<svg ", STANDALONE, 1)
 
 
 def write(name: str, directory: Path) -> None:
@@ -73,7 +73,7 @@ def draw_readme(path: Path) -> None:
     _, name, case = README
     picture = Plotter(towage.run(name, case=case), name, 100).tension()
     assert picture
-    path.write_text(picture.replace("<svg ", SVG, 1), encoding="utf-8")
+    path.write_text(picture.replace("<svg ", STANDALONE, 1), encoding="utf-8")
 
 
 if __name__ == "__main__":

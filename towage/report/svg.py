@@ -29,6 +29,9 @@ _SETTINGS = {
     "axes.labelcolor": "#1b2430", "text.color": "#1b2430", "axes.formatter.useoffset": False,
 }  # fmt: skip
 
+STANDALONE = '<svg xmlns="http://www.w3.org/2000/svg" style="font-family:sans-serif;background:#fff" '
+"""In place of "<svg ": what a picture needs that stands in a file of its own."""
+
 
 def thin(values: Array, buckets: int) -> Array:
     """Indices into ``values``, shape (n,), ascending: of the smallest and largest finite value in each of ``buckets`` equal

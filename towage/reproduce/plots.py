@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from towage.files import atomic_write
 from towage.report.plots import CYCLE
-from towage.report.svg import canvas
+from towage.report.svg import STANDALONE, canvas
 from towage.reproduce.items import Column
 
 if TYPE_CHECKING:
@@ -75,14 +75,15 @@ def shapes(path: Path, *, title: str, across: str, x: Array, modes: Mapping[str,
 
 def _dress(axes: Axes, title: str, across: str, up: str, log: tuple[bool, bool], legend: bool) -> None:
     axes.set(title=title, xlabel=across, ylabel=up)
-    if log[0]:
-        axes.set_xscale("log")
-    if log[1]:
-        axes.set_yscale("log")
+    for axis, scale, logarithmic in ((axes.xaxis, axes.set_xscale, log[0]), (axes.yaxis, axes.set_yscale, log[1])):
+        if logarithmic:
+            scale("log")
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
     if legend:
-        axes.legend(loc="best")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def _write(path: Path, drawn: list[str]) -> None:
     with atomic_write(path) as stream:
-        stream.write(drawn[0].encode())
+        stream.write(drawn[0].replace("<svg ", STANDALONE, 1).encode())
