@@ -61,6 +61,8 @@ def test_slenderness_keeps_the_drag_coefficients() -> None:
     assert (body.friction, body.normal_drag) == (2.0, 0.8)
     with pytest.raises(ValueError, match="more than 0.5"):
         critical.varied(Body(), "slenderness", 20.0)
+    assert critical.varied(Body(tail_length=0.1), "end_length", 0.05) == Body(end_length=0.05)
+    assert critical.varied(Body(), "tail_length", 0.05).ends.tail != Body().ends.tail
     with pytest.raises(ValueError, match="no map over"):
         critical.varied(Body(), "mass_ratio", 0.3)
     assert critical.default_values(Body(), "rope_length", 3) == pytest.approx([0.1, 1.0, 10.0])

@@ -10,6 +10,7 @@
 | s | | growth rate and frequency in the time unit tau = L^2 sqrt((m + M)/EI); the thesis' omega = -i s |
 | u | | tow speed sqrt(M/EI) U L |
 | lam, eps, al | end_length, slenderness, tail_cut | end length/L, L/D, tail cut (1 full, towards 0 flat) |
+| | tail_length | length/L of the tail before it is cut, where it differs from the nose's lam; 0: it does not |
 | Lam | rope_length | length of the rope/L |
 | eps cf, eps cd | friction, normal_drag | drag coefficients times eps; e_N = eps (cf + cd) acts across |
 | beta | mass_ratio | M/(m + M), M mass of water displaced and m mass of the body per length; 1/2 is neutral |
@@ -71,13 +72,16 @@ class Numbers(NamedTuple):
     nose_factor: Value = 1.0
     tail_factor: Value = 1.0
     nose_drag: Value = 0.0
+    tail_length: Value = 0.0
 
 
 class Ends(NamedTuple):
-    """``nose`` as published and ``signed_nose`` with the signs that the theory gives it; ``drag`` of the body without its
-    base, ``base_drag`` C_DB = 0.029 (1 - al^2)^(3/2)/sqrt(drag), and ``tension`` P, the rope's pull, over rho U^2 S/2."""
+    """``shape`` of the nose and ``tail_shape``; ``nose`` as published and ``signed_nose`` with the signs that the theory gives
+    it; ``drag`` of the body without its base, ``base_drag`` C_DB = 0.029 (1 - al^2)^(3/2)/sqrt(drag), and ``tension`` P, the
+    rope's pull, over rho U^2 S/2."""
 
     shape: Shape
+    tail_shape: Shape
     nose: End
     signed_nose: End
     tail: End
@@ -90,7 +94,9 @@ def ends(body: Numbers, ops: Ops) -> Ends:
     """What the ends of a body do, under its theory."""
     ellipsoid = shape(body.end_length, body.slenderness, ops)
     nose = integrals(body.end_length, ellipsoid, 1.0, ops)
-    tail = integrals(body.end_length, ellipsoid, body.tail_cut, ops)
+    own = tail_length(body, ops)
+    of_tail = shape(own, body.slenderness, ops)
+    tail = integrals(own, of_tail, body.tail_cut, ops)
     sign = ops.where(body.theory == 1.0, -1.0, 1.0)
     signed = nose._replace(i3=sign * nose.i3, i6=sign * nose.i6, i7=sign * nose.i7)
     drag = body.friction * (1.0 + nose.i1 + tail.i1) + 2.0 * (signed.i7 + tail.i7)
@@ -98,7 +104,12 @@ def ends(body: Numbers, ops: Ops) -> Ends:
     hidden = 0.029 * base * ops.sqrt(base) / ops.sqrt(ops.where(drag > 0.0, drag, 1.0))
     old = body.nose_drag + (1.0 - body.tail_factor) + body.friction
     tension = ops.where(body.theory == 2.0, old, drag + base * hidden)
-    return Ends(ellipsoid, nose, signed, tail, drag, hidden, tension)
+    return Ends(ellipsoid, of_tail, nose, signed, tail, drag, hidden, tension)
+
+
+def tail_length(body: Numbers, ops: Ops) -> Value:
+    """Length of the tail before it is cut, over that of the body."""
+    return ops.where(body.tail_length > 0.0, body.tail_length, body.end_length)
 
 
 def requirements(body: Numbers, ops: Ops) -> tuple[Requirement, ...]:
@@ -108,7 +119,7 @@ def requirements(body: Numbers, ops: Ops) -> tuple[Requirement, ...]:
         return ops.where(value >= low, ops.where(value <= high, 1.0, 0.0), 0.0)
 
     positive = ("end_length", "rope_length", "slenderness", "tail_cut", "mass_ratio")
-    other = ("friction", "normal_drag", "damping")
+    other = ("friction", "normal_drag", "damping", "tail_length")
     free = ("nose_factor", "tail_factor", "nose_drag")
     simple = [
         *((within(ops.abs(getattr(body, n)), 0.0, NEVER), f"{n}: expected a finite number")
@@ -124,6 +135,10 @@ def requirements(body: Numbers, ops: Ops) -> tuple[Requirement, ...]:
          "ends are hemispheres, and for anything shorter the formulas of a prolate ellipsoid do not hold: use longer ends"),
         (LONGEST - body.end_length * body.slenderness,
          f"end_length * slenderness, the ends' length over the diameter: expected less than {LONGEST:g}"),
+        (tail_length(body, ops) * body.slenderness - 0.5,
+         "tail_length * slenderness, the tail's length over the diameter: expected more than 0.5, or 0 for that of the nose"),
+        (LONGEST - tail_length(body, ops) * body.slenderness,
+         f"tail_length * slenderness, the tail's length over the diameter: expected less than {LONGEST:g}"),
     ]  # fmt: skip
     drag = ends(where_met(simple, body, ops), ops).drag
     text = "drag of the body without its base: expected a positive one, with some friction"
@@ -154,6 +169,7 @@ class Body:
     nose_factor: float = 1.0
     tail_factor: float = 1.0
     nose_drag: float = 0.0
+    tail_length: float = 0.0
 
     def __post_init__(self) -> None:
         if reason := refusal_of(requirements(self.numbers, FLOATS)):
@@ -195,7 +211,7 @@ class Coefficients(NamedTuple):
 def coefficients(body: Numbers, its_ends: Ends, ops: Ops) -> Coefficients:
     """All coefficients under the body's theory; ``its_ends`` as of `ends`."""
     lam, rope, beta = body.end_length, body.rope_length, body.mass_ratio
-    _, bare, nose, tail, _, drag, pull = its_ends
+    _, _, bare, nose, tail, _, drag, pull = its_ends
     friction, normal = body.friction, body.friction + body.normal_drag
     root, base = ops.sqrt(beta), 1.0 - body.tail_cut**2
     f1, f2 = body.nose_factor, body.tail_factor

@@ -57,8 +57,13 @@ class Parameters:
     water_density: Annotated[Value, parameter("kg/m3", 1025.0, "Density of the water", display="slug/ft3", min=1e-9)]
     end_length: Annotated[
         Value,
-        parameter("m", 0.15, "Length of each half-ellipsoidal end, more than half a diameter", display="ft", min=1e-12),
+        parameter("m", 0.15, "Length of the half-ellipsoidal nose, and tail, more than half a diameter", display="ft", min=1e-12),
     ]
+    tail_length: Annotated[
+        Value,
+        parameter("m", 0.0, "Length of the tail's half ellipsoid before it is cut; 0: that of the nose, end_length", display="ft",
+                  min=0.0),
+    ]  # fmt: skip
     tail_cut: Annotated[
         Value,
         parameter("1", 1.0, "Share of the tail's length that is kept: 1 full, towards 0 a flat base", min=1e-9, max=1.0),
@@ -173,6 +178,7 @@ def dimensionless(p: Parameters, ops: Ops) -> Numbers:
         normal_drag=slenderness * p.normal_drag_coefficient, mass_ratio=fluid / (mass + fluid),
         damping=p.structural_damping / (ops.sqrt(p.bending_stiffness * (mass + fluid)) * p.length**2),
         theory=p.theory, nose_factor=p.nose_factor, tail_factor=p.tail_factor, nose_drag=p.nose_drag,
+        tail_length=p.tail_length / p.length,
     )  # fmt: skip
 
 
@@ -227,13 +233,14 @@ def system_of(p: Parameters, size: Size, matrices: MatrixOps) -> Matrices:
 
 
 def axial_mass(p: Parameters, ops: Ops) -> Value:
-    """Mass that a change of the tow speed accelerates, kg: body, ends, and the added mass along the tow, that of the spheroid
-    which both ends make (k1 of H. Lamb, Hydrodynamics, 6th ed., section 114: the cylinder between them adds none)."""
+    """Mass that a change of the tow speed accelerates, kg: body, ends, and the added mass along the tow, that of the spheroids
+    whose halves the ends are (k1 of H. Lamb, Hydrodynamics, 6th ed., section 114: the cylinder between them adds none)."""
     fluid, mass = masses(p, ops)
     numbers = dimensionless(p, ops)
     its_ends = ends(numbers, ops)
     volume = its_ends.nose.i2 + its_ends.tail.i2
-    return p.length * (mass * (1.0 + volume) + fluid * its_ends.shape.k1 * volume)
+    added = its_ends.shape.k1 * its_ends.nose.i2 + its_ends.tail_shape.k1 * its_ends.tail.i2
+    return p.length * (mass * (1.0 + volume) + fluid * added)
 
 
 def setup(p: Parameters, size: Size, matrices: MatrixOps) -> Setup:

@@ -32,6 +32,14 @@ def test_bluntest_to_sharpest_tail(al: float) -> None:
     assert max(series_error(body, u) for u in (0.5, 4.0, 8.0)) < 2e-10  # spec: at most 2e-10 for lam = .2
 
 
+def test_a_tail_of_another_length() -> None:
+    body = Body(end_length=0.02, tail_length=0.1, tail_cut=0.8)
+    assert max(series_error(body, u) for u in (0.5, 4.0, 8.0)) < 1e-10
+    # the same length, said: the same body, but for rounding
+    same, said = (spectrum(matrices(Body(end_length=0.02, tail_length=x)), 4.0, 5) for x in (0.0, 0.02))
+    assert said == pytest.approx(same, rel=1e-13)
+
+
 @pytest.mark.parametrize("u", [0.01, 2.0, 8.0])
 def test_rope_length_to_zero_is_a_pinned_nose(u: float) -> None:
     assert series_error(Body(rope_length=1e-6), u) < 1e-8  # Re s of a rope 1e6 times as stiff keeps eight digits

@@ -14,6 +14,7 @@ from towage.models.slender.modes import matrices, roots
 bodies = st.builds(
     Body,
     end_length=st.floats(0.0126, 0.3),
+    tail_length=st.just(0.0) | st.floats(0.0126, 0.3),
     rope_length=st.floats(0.05, 20.0),
     tail_cut=st.floats(0.01, 1.0),
     friction=st.floats(0.3, 3.0),

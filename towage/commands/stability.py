@@ -11,7 +11,7 @@ from pathlib import Path
 from towage.commands import common
 
 HELP = "critical tow speeds of a scene's towed slender body"
-MAPS = ("tail_cut", "rope_length", "slenderness")
+MAPS = ("tail_cut", "rope_length", "slenderness", "end_length", "tail_length", "friction")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -33,6 +33,9 @@ RANGES: dict[str, tuple[float, float, str]] = {
     "tail_cut": (0.02, 1.0, "tail cut, - (1 full, towards 0 flat)"),
     "rope_length": (0.1, 10.0, "rope length / body length"),
     "slenderness": (20.0, 100.0, "length / diameter"),
+    "end_length": (0.013, 0.1, "length of nose and tail / body length"),
+    "tail_length": (0.013, 0.1, "length of the tail / body length"),
+    "friction": (0.2, 3.0, "friction coefficient times length / diameter"),
 }
 """Parameters that a map may run over: default range and axis title."""
 
@@ -49,18 +52,20 @@ class Row:
 
 
 def varied(body: Body, parameter: str, value: float) -> Body:
-    """``body`` with another tail cut, rope length (over body length) or slenderness; with the latter, the drag
-    coefficients and the ratio of end length to body length stay. Raises ``ValueError`` where there is no such body."""
+    """``body`` with another value of one of `RANGES`; lengths are over that of the body. With another slenderness the drag
+    coefficients and the ratio of end length to body length stay; with another ``end_length`` the tail is as long. Raises
+    ``ValueError`` where there is no such body."""
     if parameter == "slenderness":
         ratio = value / body.slenderness
         return replace(
             body, slenderness=value, friction=body.friction * ratio, normal_drag=body.normal_drag * ratio
         )
-    if parameter == "tail_cut":
-        return replace(body, tail_cut=value)
-    if parameter == "rope_length":
-        return replace(body, rope_length=value)
-    raise ValueError(f"no map over {parameter!r}: expected one of {', '.join(RANGES)}")
+    if parameter == "end_length":
+        return replace(body, end_length=value, tail_length=0.0)
+    if parameter not in RANGES:
+        raise ValueError(f"no map over {parameter!r}: expected one of {', '.join(RANGES)}")
+    changed: dict[str, Any] = {parameter: value}
+    return replace(body, **changed)
 
 
 def row(body: Body, value: float = 0.0, u_max: float = 12.0, n: int = FUNCTIONS, step: float = 0.05) -> Row:
@@ -84,6 +89,9 @@ def default_values(body: Body, parameter: str, points: int) -> list[float]:
     low, high, _ = RANGES[parameter]
     if parameter == "slenderness":
         low = max(low, 0.51 / body.end_length)
+        high = max(high, 3.0 * low)
+    if parameter in ("end_length", "tail_length"):
+        low = max(low, 0.51 / body.slenderness)
         high = max(high, 3.0 * low)
     space = np.geomspace if parameter == "rope_length" else np.linspace
     return [float(v) for v in space(low, high, points)]

@@ -163,9 +163,10 @@ def stability(
         body.document()["yaw_m_s"]
 
     ``scene``, ``case``, ``set`` and ``fmus`` as in `towage.run`, but the scene as it stands if it has cases and none is
-    named. ``u_max``: largest dimensionless speed, above 0 and at most 14. ``map``: tail_cut, rope_length (over body length)
-    or slenderness, for ``values`` of which the critical speeds are computed too (a number: so many over the default range);
-    rows of a map are kept in the cache. ``report``: told (share done, what) of a map. Nothing else is written.
+    named. ``u_max``: largest dimensionless speed, above 0 and at most 14. ``map``: tail_cut, rope_length (over body length),
+    slenderness, end_length, tail_length or friction, for ``values`` of which the critical speeds are computed too (a number:
+    so many over the default range); rows of a map are kept in the cache. ``report``: told (share done, what) of a map. Nothing
+    else is written.
 
     Raises `SceneError` where the scene has no slender body, where the theory has none of these values, and for a ``map``
     that there is not.

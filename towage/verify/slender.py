@@ -96,7 +96,8 @@ def time_domain(inputs: Values, expected: Values) -> Values:
     p = Parameters(
         length=length, diameter=diameter, bending_stiffness=stiffness,
         structural_damping=made.damping * math.sqrt(stiffness * total) * length**2, mass_per_length=total - fluid,
-        water_density=inputs["rho"], end_length=made.end_length * length, tail_cut=made.tail_cut,
+        water_density=inputs["rho"], end_length=made.end_length * length, tail_length=0.0,
+        tail_cut=made.tail_cut,
         rope_length=made.rope_length * length, friction_coefficient=made.friction * diameter / length,
         normal_drag_coefficient=made.normal_drag * diameter / length,
         theory=float(("present", "corrected", "modified_old").index(made.theory)), nose_factor=made.nose_factor,
