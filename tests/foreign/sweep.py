@@ -116,6 +116,8 @@ def gap(ours: Run, theirs: Run) -> tuple[float, str, int, int]:
         share = float(np.max(np.abs(a - b)[known], initial=0.0)) / (size or 1.0)
         if not share <= worst:
             worst, which = share, name
+        if share != share:  # nothing is worse than no number
+            break
     return worst, which, len(times), len(names)
 
 

@@ -83,7 +83,8 @@ def test_tables_are_those_of_what_is_kept() -> None:
 def test_difference_sees_what_is_no_number_and_what_is_short() -> None:
     same = {"a": np.array([1.0, 2.0])}
     assert difference(same, same) == (0.0, "")
-    share, name = difference({"a": np.array([1.0, float("nan")])}, same)
+    broken = {"a": np.array([1.0, float("nan")]), "b": np.array([1.0])}
+    share, name = difference(broken, same | {"b": np.array([2.0])})
     assert share != share and name == "a"
     with pytest.raises(AssertionError, match="1 values in place of 2"):
         difference({"a": np.array([1.0])}, same)
