@@ -46,13 +46,13 @@ def experiment(description: Description) -> tuple[float, float]:
 
 def in_towage(path: Path, stop: float, step: float) -> tuple[Run, str]:
     """(outputs, why the run stopped or "") in the master, as a scene of one unit."""
-    from towage.master.master import run_resolved
+    from towage.process.worker import run_isolated
     from towage.scene.flavour import resolve
     from towage.scene.scene import Scene
 
     units = {"a": {"fmu": str(path)}}
     scene = {"title": path.stem, "stop_time": stop, "units": units, "connections": [], "coupling": {"step": step}}
-    result = run_resolved(resolve(Scene.from_dict(scene)))
+    result = run_isolated(resolve(Scene.from_dict(scene)))
     columns = {name.removeprefix("a."): np.asarray(values) for name, values in result.columns.items()}
     return (result.time, columns), "" if result.status == "done" else result.message
 
@@ -61,10 +61,11 @@ def in_fmpy(path: Path, stop: float, step: float) -> tuple[Run, str]:
     """The same in fmpy."""
     from fmpy import read_model_description, simulate_fmu
 
-    outputs = [v.name for v in read_model_description(str(path), validate=False).modelVariables if v.causality == "output"]
+    description = read_model_description(str(path), validate=False)
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
     rows = simulate_fmu(
         str(path), start_time=0.0, stop_time=stop, step_size=step, output_interval=step, fmi_type="CoSimulation",
-        output=outputs, validate=False, logger=lambda *_: None,
+        output=outputs, validate=False, model_description=description, logger=lambda *_: None,
     )  # fmt: skip
     columns: dict[str, np.ndarray] = {}
     for name in rows.dtype.names[1:]:
