@@ -11,6 +11,7 @@ import argparse
 import hashlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,7 @@ STOP = 5.0
 LIMIT = {"towage": 240.0, "fmpy": 60.0}
 """Seconds of a run; the master's has a second run for the coupling error in it, and repeated steps."""
 SAME_TIME = 1e-9
+ENDLESS = "not done within"
 WORDS = ("equal to the bit", "equal to its tolerance", "differs", "nothing to compare", "refused", "stopped")
 """What comes of a unit. Its tolerance: that of its default experiment, relative to the largest value of an output."""
 Run = tuple[np.ndarray, dict[str, np.ndarray]]
@@ -89,15 +91,18 @@ def apart(host: str, path: Path, stop: float, step: float) -> tuple[Run | None, 
         out = Path(folder, "out.npz")
         command = [sys.executable, __file__, "--one", host, str(path), repr(stop), repr(step), str(out)]
         here = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
-        try:
-            done = subprocess.run(
-                command, cwd=folder, capture_output=True, timeout=LIMIT[host], env=os.environ | {"PYTHONPATH": here}
-            )
-        except subprocess.TimeoutExpired:
-            return None, f"not done within {LIMIT[host]:g} s"
+        environment = os.environ | {"PYTHONPATH": here}
+        with subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=environment, start_new_session=True
+        ) as child:
+            try:
+                said = child.communicate(timeout=LIMIT[host])[1]
+            except subprocess.TimeoutExpired:
+                os.killpg(child.pid, signal.SIGKILL)  # what it started too
+                return None, f"{ENDLESS} {LIMIT[host]:g} s"
         if not out.is_file():
-            lines = done.stderr.decode(errors="replace").strip().splitlines()
-            return None, lines[-1] if lines else f"ended with {done.returncode}"
+            lines = said.decode(errors="replace").strip().splitlines()
+            return None, lines[-1] if lines else f"ended with {child.returncode}"
         with np.load(out) as kept:
             columns = dict(zip(kept["names"].tolist(), kept["values"]))
             return (kept["time"], columns), str(kept["why"])
@@ -133,7 +138,7 @@ def tried(path: Path) -> dict[str, Any]:
     (ours, why), (theirs, whyever) = (apart(host, path, *experiment(description)) for host in ("towage", "fmpy"))
     about |= {"why": why, "fmpy": whyever or "runs"}
     if ours is None:
-        return about | {"word": "refused"}
+        return about | {"word": "stopped" if why.startswith(ENDLESS) else "refused"}
     if theirs is None:
         return about | {"word": "stopped" if why else "nothing to compare"}
     share, _, times, names = about["gap"] = gap(ours, theirs)
