@@ -140,7 +140,7 @@ def tried(path: Path) -> dict[str, Any]:
     if ours is None:
         return about | {"word": "stopped" if why.startswith(ENDLESS) else "refused"}
     if theirs is None:
-        return about | {"word": "stopped" if why else "nothing to compare"}
+        return about | {"word": "stopped" if why else "nothing to compare", "why": why or "runs, which fmpy does not do"}
     share, _, times, names = about["gap"] = gap(ours, theirs)
     wanted = len(set(theirs[0]))
     if why:
