@@ -15,7 +15,7 @@ from towage.process.child import Died, attend, converse
 from towage.report.format import page, table
 from towage.units import vetted
 from towage.units.archive import check_platform, read_description
-from towage.units.doubt import THEREFORE
+from towage.units.doubt import THEREFORE, What
 from towage.units.vetted import LIMITS
 from towage.vet.bench import Trial
 from towage.vet.trials import TRIALS, tried
@@ -40,7 +40,8 @@ class Vetted(NamedTuple):
         description = read_description(self.path)
         against = [LIMITS[t.name] for t in self.trials if t.level in ("warning", "fault") and t.name in LIMITS]
         stays = "state" in against or not description.can_get_set_state
-        heeded = [] if description.conventions else dict.fromkeys([*against, *(["state"] if stays else [])])
+        found: list[What] = [*against, "state"] if stays else against
+        heeded = [] if description.conventions else [*dict.fromkeys(found)]
         lines = [f"# scheme auto heeds this by itself, for this unit alone: {THEREFORE[what]}" for what in heeded]
         fixed = not description.can_handle_variable_step
         if why := ONE_SIZE if fixed else NO_CONTROL if stays else "":
