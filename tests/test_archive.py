@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from towage.errors import FmuError
 from towage.units import archive, binary, description
-from towage.units.archive import check_platform, extract, read_description
+from towage.units.archive import check_platform, extract, library_of, read_description
 
 from .faults.boxes import (
     BROKEN_LIBRARIES,
@@ -270,6 +270,36 @@ def test_platforms_count_only_libraries_of_the_model(tmp_path: Path) -> None:
     path = with_entry(tmp_path / "box.fmu", "binaries/win64/box.dll", "binaries/win32/other.dll", "binaries/darwin64/")
     assert read_description(path).platforms == ("linux64", "win64")
     assert check_platform(read_description(path)) == "linux64"
+
+
+INTEL, ARM = elf(62), elf(183)
+
+
+@pytest.mark.parametrize(("machine", "libraries", "taken"), [
+    ("aarch64", {"linux64": INTEL, "aarch64-linux": ARM}, "aarch64-linux"),
+    ("arm64", {"linux64": ARM}, "linux64"),  # as OpenModelica builds it there
+    ("aarch64", {"aarch64-linux": ARM}, "aarch64-linux"),
+    ("x86_64", {"linux64": INTEL, "aarch64-linux": ARM}, "linux64"),
+    ("x86_64", {"x86_64-linux": INTEL}, "x86_64-linux"),
+    ("aarch64", {"linux64": INTEL}, "ELF for another processor"),
+    ("x86_64", {"aarch64-linux": ARM}, "no binary for linux64 .*box.so or binaries/x86_64-linux/box.so.; present: aarch64-linux"),
+    ("aarch64", {"win64": INTEL}, "no binary for aarch64-linux .*box.so or binaries/linux64/box.so.; present: win64"),
+])  # fmt: skip
+def test_the_library_for_this_processor_is_found_where_tools_put_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, machine: str, libraries: dict[str, bytes], taken: str
+) -> None:
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    path = tmp_path / "box.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", xml())
+        for folder, library in libraries.items():
+            archive.writestr(f"binaries/{folder}/box.so", library)
+    if taken not in libraries:
+        with pytest.raises(FmuError, match=taken):
+            extract(path, tmp_path / "unpacked")
+        return
+    extract(path, tmp_path / "unpacked")
+    assert library_of(read_description(path), tmp_path / "unpacked").read_bytes() == libraries[taken]
 
 
 @pytest.mark.parametrize(("library", "says"), BROKEN_LIBRARIES)

@@ -29,7 +29,7 @@ SCHEMAS = Path(fmpy.__file__).parent / "schema"
 ALL = [
     *(f"python 2 {name}" for name in UNITS),
     *(f"native {fmi} {name}" for fmi in (2, 3) for name in NATIVE),
-    *(f"scene {fmi} {name}" for fmi in (2, 3) for name in ("slack", "docking")),
+    *(f"scene {fmi} {name}" for fmi in (2, 3) for name in ("slack", "docking", "voyage_tow")),
 ]
 """Flavour, version of FMI, name."""
 Find = Callable[[str], Path]

@@ -196,6 +196,8 @@ def difference(theirs: Series, expected: Series) -> tuple[float, str]:
         assert len(values) == len(expected[name]), f"{name}: {len(values)} values in place of {len(expected[name])}"
         apart, size = float(np.max(np.abs(values - expected[name]))), float(np.max(np.abs(expected[name])))
         share = apart / size if size else apart
-        if not share <= worst[0]:  # also where it is no number
+        if not share <= worst[0]:
             worst = share, name
+        if share != share:  # nothing is worse than no number
+            break
     return worst

@@ -193,9 +193,6 @@ def page(kept: Kept) -> str:
     hosts = ", ".join(f"{name} {entry['version'] or entry['reason']}" for name, entry in kept["hosts"].items())
     lines = [f"Hosts: {hosts}. {kept['system']}, {kept['date']}.", "", *table(kept["scenes"], "scene", notes), ""]
     lines += [*table(kept["units"], "unit", notes), ""]
-    shipped = [scene.name for scene in available_scenes()], UNITS
-    if left := [name for kind, names in zip(("scenes", "units"), shipped) for name in names if name not in kept[kind]]:
-        lines += [f"Not run in these hosts yet: {', '.join(left)}.", ""]
     return "\n".join([*lines, *(f"{k}. {text}." for k, text in enumerate(notes, 1))])
 
 

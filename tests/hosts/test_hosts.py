@@ -73,7 +73,9 @@ def test_ecos_without_the_parameter_set_is_another_scene(tmp_path: Path) -> None
 def test_tables_are_those_of_what_is_kept() -> None:
     kept = json.loads(table.KEPT.read_text("utf-8"))
     assert table.page(kept) in table.PAGE.read_text("utf-8"), "python -m tests.hosts.table --page"
-    assert kept["scenes"].keys() <= {scene.name for scene in available_scenes()} and kept["units"].keys() <= set(UNITS)
+    assert list(kept["scenes"]) == [scene.name for scene in available_scenes()] and list(kept["units"]) == list(UNITS)
+    cells = [cell for kind in ("scenes", "units") for row in kept[kind].values() for cell in row.values()]
+    assert all(cell["reason"] if "reason" in cell else cell["difference"] >= 0.0 for cell in cells)
     assert list(kept["hosts"]) == [host.name for host in HOSTS]
     assert all(bool(entry["version"]) != bool(entry["reason"]) for entry in kept["hosts"].values())
 
@@ -81,7 +83,8 @@ def test_tables_are_those_of_what_is_kept() -> None:
 def test_difference_sees_what_is_no_number_and_what_is_short() -> None:
     same = {"a": np.array([1.0, 2.0])}
     assert difference(same, same) == (0.0, "")
-    share, name = difference({"a": np.array([1.0, float("nan")])}, same)
+    broken = {"a": np.array([1.0, float("nan")]), "b": np.array([1.0])}
+    share, name = difference(broken, same | {"b": np.array([2.0])})
     assert share != share and name == "a"
     with pytest.raises(AssertionError, match="1 values in place of 2"):
         difference({"a": np.array([1.0])}, same)

@@ -6,7 +6,9 @@ nothing else: values, connections and the step come from the files.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import msgspec
 import numpy as np
@@ -24,17 +26,29 @@ if LIBCOSIM.missing():
 
 ROUND_OFF = 1e-12
 """Relative to a variable's largest value: both engines do the same operations, only times differ by a rounding."""
-AMPLIFIED = {"tow_heavy_weather": 1e-10, "slender_speed_ramp": 1e-11, "tow_two_units": 1e-11}
-"""Where that rounding grows: in the snap loads of a slack cable (found: 1.6e-12), in a growth rate, an eigenvalue found
-anew as the speed changes (5.6e-13), and in the force between a cable and its body, Python flavour (1.2e-12)."""
+AMPLIFIED = {"slender_speed_ramp": 1e-11, "tow_two_units": 1e-11}
+"""Where that rounding grows: in a growth rate, an eigenvalue found anew as the speed changes (5.6e-13), and in the force between
+a cable and its body, Python flavour (1.2e-12)."""
+RESTLESS = {"tow_heavy_weather": 3.0}
+"""A wire whose end jumps in velocity at every step iterates another number of times where times differ by a rounding: the other
+engine may be off by so many times what a step that is longer by 1e-15 changes in our own run, which is one sample of that (found:
+1.0 to 1.12 times)."""
+NONE: Mapping[str, float] = MappingProxyType({})
 STEPS = 40
 LONG = 100
 STEADY = {"tow_two_units": 0.02, "voyage_tow": 0.05}
 """Steps, s, at which an order is seen: at 0.25 s of voyage_tow the energy that held inputs make soon rules; at 0.05 s
 the stiff cable between two units has not come to its first order yet."""
 SCENES = [scene.name for scene in available_scenes()]
-COUPLED = [name for name in SCENES if name != "float_quadrant2"]
-"""Where something comes back; the forces on that float are prescribed, and so without error."""
+
+
+def returns(name: str) -> bool:
+    """Whether something comes back; where motions or forces are prescribed alone, what is sent has no error."""
+    ends = [[end.split(".")[0] for end in text.split(" -> ")] for text in Scene.load(name).connections]
+    return bool({source for source, _ in ends} & {target for _, target in ends})
+
+
+COUPLED = [name for name in SCENES if returns(name)]
 
 
 def test_jacobi_equals_libcosim_osp(tmp_path: Path) -> None:
@@ -119,17 +133,25 @@ def first_order(name: str, steps: int, directory: Path) -> dict[str, float]:
 
 def compare(name: str, steps: int, flavour: Flavour, kind: str, directory: Path) -> None:
     """The first steps of a shipped scene."""
-    equal(short(name, steps), flavour, kind, directory, AMPLIFIED.get(name, ROUND_OFF))
+    scene, noise = short(name, steps), {}
+    if name in RESTLESS:
+        longer = short(name, steps, (scene.coupling.step or 0.0) * (1.0 + 1e-15))
+        one, other = (ours(each, "jacobi", flavour) for each in (scene, longer))
+        noise = {k: RESTLESS[name] * float(np.max(np.abs(one[k] - other[k]))) for k in one.columns}
+        assert noise["ship.heave"] > 0.0
+    equal(scene, flavour, kind, directory, AMPLIFIED.get(name, ROUND_OFF), noise)
 
 
-def equal(scene: Scene, flavour: Flavour, kind: str, directory: Path, tolerance: float) -> None:
-    """Every output of every unit, at every step."""
+def equal(
+    scene: Scene, flavour: Flavour, kind: str, directory: Path, tolerance: float, noise: Mapping[str, float] = NONE
+) -> None:
+    """Every output of every unit, at every step, to ``tolerance`` of its largest value and its own ``noise``."""
     result, theirs = ours(scene, "jacobi", flavour), libcosim(scene, flavour, kind, directory)
     assert theirs
     for name, values in theirs.items():
         expected = result[name][1:]
         assert len(values) == len(expected)
-        assert np.max(np.abs(values - expected)) <= tolerance * np.max(np.abs(expected)), name
+        assert np.max(np.abs(values - expected)) <= tolerance * np.max(np.abs(expected)) + noise.get(name, 0.0), name
 
 
 def libcosim(scene: Scene, flavour: Flavour, kind: str, directory: Path) -> dict[str, np.ndarray]:

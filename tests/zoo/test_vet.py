@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,9 +20,9 @@ from towage.units import vetted
 from towage.units.archive import read_description
 from towage.units.vetted import HEED, heeded
 from towage.vet import process
-from towage.vet.bench import Bench
+from towage.vet.bench import Bench, Trial
 from towage.vet.trials import TRIALS, tried
-from towage.vet.vet import vet
+from towage.vet.vet import Vetted, vet
 
 from .zoo import animal, animal3, run, scene, told
 
@@ -179,12 +180,35 @@ def test_the_command_writes_what_it_found_and_the_master_heeds_it(
     assert "warning  state: 50 steps from a saved state differ by" in shown
     document = json.loads((tmp_path / "out" / "vetted.json").read_text())
     assert {trial["name"] for trial in document["trials"]} == {"runs", "flag", "noise", "state"}
-    settings = tomllib.loads((tmp_path / "out" / "settings.toml").read_text())
-    assert settings["coupling"] == {"scheme": "extrapolate", "events": False}
+    settings = (tmp_path / "out" / "settings.toml").read_text()
+    assert "heeds this by itself, for this unit alone: it is never taken back" in settings
+    assert tomllib.loads(settings) == {"coupling": {}}  # a step, which no description names
     assert "to be used with care" in (tmp_path / "out" / "vetted.html").read_text()
     result = run({"a": fmu}, [])
     assert result.scheme == "extrapolate"
     assert "a was vetted: a repeated step differs by" in told(result, "scheme")
+    sound = animal(tmp_path / "b.fmu")
+    result = run({"a": fmu, "b": sound}, ["a.y -> b.u"])
+    assert result.scheme != "extrapolate"
+    assert "b can go back" in told(result, "scheme") and "unit a" in told(result, "fallback")
+
+
+@pytest.mark.parametrize(("about", "against", "settings", "says"), [
+    ({}, "", {}, "no settings"),
+    (EXPERIMENT, "slopes", {}, "for this unit alone: its inputs are held at their mean"),
+    (EXPERIMENT, "noise", {"coupling": {"step": 0.06}}, "for this unit alone: it is never taken back"),
+    (EXPERIMENT | {"rollback": False}, "", {"coupling": {"step": 0.06}}, "it is never taken back"),
+    (EXPERIMENT | {"variable_step": False}, "", {"coupling": {"step": 0.06}}, "of one size only"),
+    ({"variable_step": False}, "", {"coupling": {}}, "step = ..., its description names none"),
+])  # fmt: skip
+def test_settings_are_what_the_master_does_not_do_by_itself(
+    tmp_path: Path, about: dict[str, Any], against: str, settings: dict[str, Any], says: str
+) -> None:
+    fmu = Path(animal(tmp_path / "a.fmu", **about))
+    trials = (Trial(against, "warning", "found"),) if against else ()
+    text = Vetted(fmu, "", trials).settings()
+    assert tomllib.loads(text) == settings and says in text
+    assert run({"a": str(fmu)}, [], 1.0, **tomllib.loads(text)).status == "done"
 
 
 def test_a_unit_that_kills_its_process_is_faulty_and_the_other_trials_go_on(tmp_path: Path) -> None:

@@ -103,7 +103,7 @@ def compare(check: SimplerCheck, times: Array, full: Track, simpler: Track) -> F
     for name in check.motions:
         off = difference(full.at(name, settled), simpler.at(name, settled))
         for size, kind in ((abs(off.amplitude), "swing"), (off.rms, "rms")):
-            if not size <= worst:
+            if worst == worst and not size <= worst:  # nothing is worse than no number
                 worst, what = size, f"{kind} difference of {name} is {100.0 * size:.3g} %"
     trust = float(np.min(simpler.columns[check.margin])) if check.margin else 1.0
     word = "not enough" if not worst <= check.tolerance else "barely enough" if trust < 0.0 else "enough"

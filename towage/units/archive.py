@@ -78,15 +78,22 @@ def _unpacked_once(path: Path, root: Path, *stamp: int) -> Path:
 
 
 def check_platform(description: Description) -> str:
-    """The name of this platform's directory in ``binaries``. Raises ``FmuError`` if the FMU has no binary for it."""
-    platform, suffix = binary.platform_name() if description.fmi_version == "2.0" else binary.platform_tuple()
-    if platform not in description.platforms:
-        raise FmuError(
-            f"no binary for {platform} (binaries/{platform}/{description.model_identifier}{suffix}); "
-            f"present: {', '.join(description.platforms) or 'none'}. Ask the supplier for a build for {platform}",
-            file=description.path,
-        )
-    return platform
+    """The directory in ``binaries`` with the library for this platform. Raises ``FmuError`` if the FMU has none."""
+    folders = binary.folders(description.fmi_version)
+    if found := next((folder for folder in folders if folder in description.platforms), None):
+        return found
+    member = f"{description.model_identifier}{binary.platform_name()[1]}"
+    raise FmuError(
+        f"no binary for {folders[0]} ({' or '.join(f'binaries/{folder}/{member}' for folder in folders)}); "
+        f"present: {', '.join(description.platforms) or 'none'}. Ask the supplier for a build for {folders[0]}",
+        file=description.path,
+    )
+
+
+def library_of(description: Description, directory: Path) -> Path:
+    """The library for this platform of an FMU that is unpacked in ``directory``. Raises as `check_platform`."""
+    name = description.model_identifier + binary.platform_name()[1]
+    return directory.absolute() / "binaries" / check_platform(description) / name
 
 
 def extract(path: Path, directory: Path, replace: bool = False) -> None:

@@ -24,6 +24,19 @@ def platform_tuple() -> tuple[str, str]:
     return f"{_MACHINES.get(machine, machine)}-{_SYSTEMS[suffix]}", suffix
 
 
+def folders(fmi_version: str) -> tuple[str, ...]:
+    """The folders of ``binaries`` that may hold a library for this platform, the likeliest first.
+
+    FMI 3.0 has one name. FMI 2.0 has none for processors other than x86; its revision 2.0.5 says to take FMI 3.0's. Tools such as
+    OpenModelica and FMPy write ``linux64`` and ``darwin64`` there all the same: the name of the folder tells nothing of the
+    processor, the header of the library does (`problem`).
+    """
+    name, tuple_ = platform_name()[0], platform_tuple()[0]
+    if fmi_version != "2.0":
+        return (tuple_,)
+    return (name, tuple_) if tuple_.startswith("x86") else (tuple_, name)
+
+
 def problem(data: bytes) -> str:
     """Why the loader of this platform cannot take the library, or "".
 

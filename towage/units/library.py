@@ -25,6 +25,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 
 from towage.errors import FmuError, RunError
+from towage.units.archive import library_of
 from towage.units.description import Description, Value, Variable, is_own
 from towage.units.kinds import Group
 from towage.units.log import Log
@@ -80,6 +81,7 @@ class Instance:
                 unzipDirectory=str(directory),
                 modelIdentifier=description.model_identifier,
                 instanceName=name,
+                libraryPath=str(library_of(description, directory)),
             )
         except Exception as error:  # fmpy's own kind, or AttributeError where a function is missing
             raise FmuError(

@@ -15,11 +15,15 @@ from towage.process.child import Died, attend, converse
 from towage.report.format import page, table
 from towage.units import vetted
 from towage.units.archive import check_platform, read_description
+from towage.units.doubt import THEREFORE, What
+from towage.units.vetted import LIMITS
 from towage.vet.bench import Trial
 from towage.vet.trials import TRIALS, tried
 
 GRAVITY = ("ok", "note", "warning", "fault")
 WORDS = {"ok": "sound", "note": "sound", "warning": "to be used with care", "fault": "faulty"}
+ONE_SIZE = "communication steps of one size only"
+NO_CONTROL = "no tolerance: the error control takes steps back, which this unit cannot"
 TIMEOUT = 120.0
 """Longest silence of a trial, s."""
 
@@ -33,15 +37,17 @@ class Vetted(NamedTuple):
 
     def settings(self) -> str:
         """The settings that a scene should use, as TOML."""
-        levels = {trial.name: trial.level for trial in self.trials}
         description = read_description(self.path)
-        lines = ["[coupling]"]
-        if "warning" in (levels.get("noise"), levels.get("state")) or not description.can_get_set_state:
-            lines += ['scheme = "extrapolate"', "events = false"]
-        step = description.default_experiment.step_size
-        if step and not description.can_handle_variable_step:
-            lines.append(f"step = {step!r}  # communication steps of one size only")
-        return "\n".join(lines if len(lines) > 1 else ["# no settings beside those that a scene has"]) + "\n"
+        against = [LIMITS[t.name] for t in self.trials if t.level in ("warning", "fault") and t.name in LIMITS]
+        stays = "state" in against or not description.can_get_set_state
+        found: list[What] = [*against, "state"] if stays else against
+        heeded = [] if description.conventions else [*dict.fromkeys(found)]
+        lines = [f"# scheme auto heeds this by itself, for this unit alone: {THEREFORE[what]}" for what in heeded]
+        fixed = not description.can_handle_variable_step
+        if why := ONE_SIZE if fixed else NO_CONTROL if stays else "":
+            size = description.default_experiment.step_size
+            lines += ["[coupling]", f"step = {size!r}  # {why}" if size else f"# step = ..., its description names none: {why}"]
+        return "\n".join(lines or ["# no settings beside those that a scene has"]) + "\n"
 
     def document(self) -> dict[str, Any]:
         """As JSON."""
