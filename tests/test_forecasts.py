@@ -63,6 +63,14 @@ def test_random_encodings_of_one_field_give_one_field(name: str, tmp_path: Path)
         assert same_field(plain, loaded(tmp_path, given, way, f"seed{seed}")), f"seed {seed}: {way}"
 
 
+def test_the_next_forecast_can_be_written_in_the_place_of_the_last(tmp_path: Path) -> None:
+    """HDF5 locks what it reads: the process that reads lets go of a file when it is done."""
+    given, way = scenario("global"), Encoding(form="NETCDF4")
+    plain = loaded(tmp_path, given, way)
+    higher = loaded(tmp_path, replace(given, height=given.height + 1.0), way)
+    assert np.max(np.abs(field_of(higher).height - field_of(plain).height - 1.0)) < 1e-9
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FIELDS)
 def test_forty_random_encodings_give_one_answer(name: str, tmp_path: Path) -> None:

@@ -37,6 +37,9 @@ GAUSS = (0.5 - math.sqrt(1.0 / 12.0), 0.5 + math.sqrt(1.0 / 12.0))
 SLOWEST = 1e-3
 """A speed along a leg below this, m/s, counts as none."""
 
+LONGER = 1e-6
+"""Share by which a straight way may take longer than one of many legs: directions of a hull are 1/20 degree apart."""
+
 
 @dataclass(frozen=True)
 class Path:
@@ -145,6 +148,28 @@ def refine(
             best = min(best, arrival)
         spacing *= 2.0
     return Path(points, sail(medium, points))
+
+
+def straightened(medium: Medium, path: Path, areas: Sequence[Area] = ()) -> Path:
+    """Of ways that take as long, to `LONGER`, the straightest: a ship that tacks takes the same time for few long legs as for
+    many short ones, and only the straight way says that she tacks. Pieces of half, a quarter, ... of the stations are tried."""
+    points, times = path.points.copy(), path.times
+    n = len(points)
+    span = n - 1
+    while span > 1:
+        for first in range(0, n - span, max(1, span // 2)):
+            last = first + span
+            line = points[first] + (points[last] - points[first]) * np.linspace(0.0, 1.0, span + 1)[:, None]
+            if np.array_equal(line, points[first : last + 1]) or not np.all(medium.inside(line[:, 0], line[:, 1])):
+                continue
+            if np.any(blocked(areas, *line[:-1].T, *line[1:].T)):
+                continue
+            spent = sail(medium, line, times[first])
+            if spent[-1] - times[first] <= (times[last] - times[first]) * (1.0 + LONGER):
+                points[first : last + 1] = line
+                times = np.concatenate([times[:first], spent, sail(medium, points[last:], spent[-1])[1:]])
+        span = (span + 1) // 2
+    return Path(points, times)
 
 
 def _subdivide(points: AnyArray, stations: int) -> AnyArray:

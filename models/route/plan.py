@@ -43,8 +43,8 @@ CORRIDOR = 1e-4
 @dataclass(frozen=True)
 class Plan:
     """``best`` and the ``others`` (local minima, ascending), STRAIGHT and geodesic where they can be sailed; ``lower_bound``, s:
-    no route is faster (nan: not known); shares of the best voyage beyond the last forecast, beyond the polar's range, and
-    tacking; ``notes`` for people."""
+    no route is faster (nan: not known); shares of the time of the best voyage beyond the last forecast, beyond the polar's
+    range, and tacking: on courses that she makes good only by tacks, of ways equally fast the straightest; ``notes`` for people."""
 
     best: Route
     others: tuple[Route, ...]
@@ -138,6 +138,8 @@ def _routes(
         notes.append("the lattice finds no way: other basins may have been missed")
     if path is not None and (not routes or routes[0].duration > path.duration):
         fine = route_graph.refine(medium, path, problem.areas)
+        if not medium.smooth:
+            fine = route_graph.straightened(medium, fine, problem.areas)
         if not routes or fine.duration < routes[0].duration * (1.0 - SAME):
             if medium.smooth and method != "graph":
                 notes.append("no extremal is free of forbidden areas and as fast as the lattice path: the answer is the "
@@ -203,13 +205,14 @@ def _along(problem: Problem, points: Sequence[Point], kind: str, notes: list[str
 
 
 def _shares(medium: Medium, route: Route) -> tuple[float, float]:
-    """Shares of the time beyond the polar's range and on hull chords."""
-    step = np.diff(route.time)
-    weights = 0.5 * (np.concatenate([[0.0], step]) + np.concatenate([step, [0.0]])) / route.duration
-    m = medium.map.scale(route.x, route.y)[0]
-    u, w = medium.current.at(route.x, route.y, route.time)[:2]
-    vx, vy = (np.gradient(place, route.time) / m - drift for place, drift in ((route.x, u), (route.y, w)))
+    """Shares of the time on legs beyond the polar's range, and on legs that the ship makes good by tacking only: whose course
+    through the water lies between the corners of a chord of the hull, where the table itself is slower."""
+    spent = np.diff(route.time)
+    x, y, t = (0.5 * (v[1:] + v[:-1]) for v in (route.x, route.y, route.time))
+    m = medium.map.scale(x, y)[0]
+    u, w = medium.current.at(x, y, t)[:2]
+    vx, vy = (np.diff(place) / np.maximum(spent, 1e-300) / m - drift for place, drift in ((route.x, u), (route.y, w)))
     size = np.maximum(np.hypot(vx, vy), 1e-300)
-    made, own, over = medium.frozen(route.time, route.x, route.y).sail(vx / size, vy / size)
+    made, own, over = medium.frozen(t, x, y).sail(vx / size, vy / size)
     tacks = made > (1.0 + TACKS) * own
-    return float(np.sum(weights * over)), float(np.sum(weights * tacks))
+    return float(np.sum(spent * over) / route.duration), float(np.sum(spent * tacks) / route.duration)
