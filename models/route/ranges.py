@@ -98,26 +98,42 @@ def of_current(current: Current, mesh: Mesh) -> FlowRange | None:
     return None
 
 
-def anywhere(part: Field | Current, x: float, y: float) -> tuple[float, float, float]:
-    """(least, largest, growth per m): bounds of the height or of the current's speed within any distance r of (``x``, ``y``):
-    least - growth r to largest + growth r, at all times."""
-    if isinstance(part, UniformField):
-        return part.height, part.height, 0.0
-    if isinstance(part, LinearField):
-        value = part.value + part.gradient[0] * x + part.gradient[1] * y
-        return value, value, math.hypot(*part.gradient)
-    if isinstance(part, (StormField, Storms)):
-        peaks = [storm.peak for storm in (part.storms if isinstance(part, Storms) else (part,))]
-        return part.background + sum(min(p, 0.0) for p in peaks), part.background + sum(max(p, 0.0) for p in peaks), 0.0
-    if isinstance(part, LinearCurrent):
-        (ux, uy), (wx, wy) = part.gradient
-        u, w = part.velocity[0] + ux * x + uy * y, part.velocity[1] + wx * x + wy * y
-        return 0.0, math.hypot(u, w), float(np.linalg.norm(part.gradient))
-    assert isinstance(part, (GridField, GridCurrent))
-    lows, highs = _whole(part.layers)
-    if isinstance(part, GridField):
-        return float(lows[0]), float(highs[0]), 0.0
-    return 0.0, float(np.hypot(*(max(abs(a), abs(b)) for a, b in zip(lows[:2], highs[:2])))), 0.0
+def sea_anywhere(field: Field, x: float, y: float) -> tuple[SeaRange, float] | None:
+    """(range, growth): heights and directions at all times and places; beyond them, by ``growth`` a metre of distance from
+    (``x``, ``y``), further heights. None for a field of another make."""
+    swirls, growth = False, 0.0
+    if isinstance(field, (UniformField, LinearField)):
+        low = high = float(field.at(*(np.array([v]) for v in (x, y, 0.0))).height[0])
+        growth = math.hypot(*field.gradient) if isinstance(field, LinearField) else 0.0
+    elif isinstance(field, (StormField, Storms)):
+        storms = field.storms if isinstance(field, Storms) else (field,)
+        low, high = (field.background + sum(pick(storm.peak, 0.0) for storm in storms) for pick in (min, max))
+        swirls = any(storm.swirl for storm in storms)
+    elif isinstance(field, GridField):
+        low, high = (float(v[0]) for v in _whole(field.layers))
+        swirls = True
+    else:
+        return None
+    return SeaRange(*(np.array([v]) for v in (low, high, 0.0 if swirls else field.angle, math.pi if swirls else 0.0))), growth
+
+
+def current_anywhere(current: Current, x: float, y: float) -> tuple[FlowRange, float] | None:
+    """As `sea_anywhere`; growth in m/s a metre."""
+    if isinstance(current, LinearCurrent):
+        u, w = (float(v[0]) for v in current.at(*(np.array([v]) for v in (x, y, 0.0)))[:2])
+        return FlowRange(*(np.array([v]) for v in (u, u, w, w))), float(np.linalg.norm(current.gradient))
+    if isinstance(current, GridCurrent):
+        lows, highs = _whole(current.layers)
+        return FlowRange(*(np.array([float(v)]) for v in (lows[0], highs[0], lows[1], highs[1]))), 0.0
+    return None
+
+
+def still(part: Field | Current) -> bool:
+    """Whether it is the same at all times."""
+    if isinstance(part, (GridField, GridCurrent)):
+        return part.layers.t.count == 1
+    storms = part.storms if isinstance(part, Storms) else (part,) if isinstance(part, StormField) else ()
+    return all(storm.velocity == (0.0, 0.0) for storm in storms)
 
 
 def _nodes(mesh: Mesh) -> tuple[AnyArray, AnyArray, AnyArray]:
@@ -176,7 +192,7 @@ def _grid(layers: Layers, mesh: Mesh, count: int) -> tuple[list[AnyArray], list[
     far they lie off the interpolation."""
     from scipy.ndimage import maximum_filter
 
-    values = layers.values(*_nodes(mesh))[0, :count]
+    values = np.stack([layers.values(mesh.x, mesh.y, np.full(mesh.x.shape, t))[0, :count] for t in mesh.t.tolist()], axis=1)
     space, time = _second_derivatives(layers, count)
     x, y = mesh.centres(mesh.x), mesh.centres(mesh.y)
     i, j = layers.x.place(x.ravel())[0].reshape(x.shape), layers.y.place(y.ravel())[0].reshape(x.shape)
