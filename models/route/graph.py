@@ -4,7 +4,8 @@
 
 A lattice of mesh D/``cells`` lies along the line from start to end (D apart). Each node has legs to all nodes within
 ``radius`` meshes that are not hidden behind another. As waiting never helps (`medium`), the earliest arrival is
-found in one sweep, whatever the field does with time. The result is too long by the angles that the lattice lacks,
+found in one sweep, whatever the field does with time. Limits (`limits`) are kept on the earliest way to every place alone: a
+ship that would have to wait for the sea to pass is told to leave later. The result is too long by the angles that the lattice lacks,
 whatever the mesh: 6 % for radius 1, 0.3 % for 3, 0.08 % for 5, 0.03 % for 8.
 
 `refine` then moves the points of a path sideways: at every station 9 places across the path, earliest arrival by
@@ -29,6 +30,7 @@ import numpy as np
 
 from ..numeric.arrays import AnyArray
 from .areas import Area, blocked
+from .limits import exceeded
 from .medium import Medium
 from .nodes import lattice
 
@@ -57,7 +59,7 @@ class Path:
 def leg_times(
     medium: Medium, t: AnyArray, x0: AnyArray, y0: AnyArray, x1: AnyArray, y1: AnyArray, areas: Sequence[Area], hint: float
 ) -> AnyArray:
-    """Duration of straight legs that start at ``t``, s; infinite where an area, the end of the data or the sea is in
+    """Duration of straight legs that start at ``t``, s; infinite where an area, the end of the data, the sea or a limit is in
     the way. All arrays broadcast; ``hint`` is a likely duration per length, s/m."""
     dx, dy = x1 - x0, y1 - y0
     d = np.hypot(dx, dy)
@@ -74,6 +76,8 @@ def leg_times(
     out = ~(medium.inside(x1 + 0.0 * t, y1 + 0.0 * t))
     if areas:
         out = out | blocked(areas, x0 + 0.0 * x1, y0 + 0.0 * y1, x1, y1)
+    if medium.limits:
+        out = out | exceeded(medium, t, np.where(out, math.inf, spent), x0, y0, dx, dy)
     return np.where(still, 0.0, np.where(out, math.inf, spent))
 
 

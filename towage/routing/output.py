@@ -20,13 +20,10 @@ from towage.files import atomic_write
 from towage.models.route import voyage
 from towage.models.route.maps import StereographicMap
 from towage.models.route.problem import Problem, Route
-from towage.models.sea.waves import peak_frequency
 from towage.routing.file import RouteFile
 
 Array = NDArray[np.float64]
 MILE, KNOT, HOUR = 1852.0, 1852.0 / 3600.0, 3600.0
-CALM = 0.1
-"""Height below which a period is that of this height, m."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +57,6 @@ def voyage_table(problem: Problem, route: Route, count: int) -> Voyage:
     angle = np.unwrap(np.arctan2(dy, dx))
     scale = medium.map.scale(x, y)[0]
     sea = medium.field.at(x, y, time)
-    period = medium.field.period(x, y, time)
-    own = np.array([2.0 * math.pi / peak_frequency(max(h, CALM)) for h in sea.height])
     if isinstance(medium.map, StereographicMap):
         heading = np.unwrap(medium.map.bearing(x, y, angle))
     else:
@@ -70,7 +65,7 @@ def voyage_table(problem: Problem, route: Route, count: int) -> Voyage:
     encounter = math.pi - np.unwrap(np.arctan2(sea.ky, sea.kx) - angle)
     return Voyage(
         time, x, y, heading, np.hypot(dx, dy) / scale if len(route.time) > 1 else 0.0 * x, sea.height,
-        np.where(period > 0.0, period, own), encounter,
+        medium.period(sea, x, y, time), encounter,
     )  # fmt: skip
 
 

@@ -53,7 +53,12 @@ class PlannedRoute:
             "saving": self.plan.saving, "distance_nmi": self.distance / MILE, "certified": best.certified,
             "j_exact_m_per_rad": _finite(best.j_exact), "j_seed_m_per_rad": _finite(best.j_seed),
             "beyond_forecast": self.plan.beyond_horizon, "beyond_polar": self.plan.beyond_polar,
-            "tacking": self.plan.tacking, "notes": self.notes,
+            "tacking": self.plan.tacking,
+            "limits": [
+                {"name": one.limit.name, "limit": one.limit.text, "margin": _finite(1.0 - one.use), "time_h": one.time / HOUR,
+                 "x_nmi": one.x / MILE, "y_nmi": one.y / MILE, "beyond_table": one.beyond} for one in self.plan.limits
+            ],
+            "notes": self.notes,
         }  # fmt: skip
 
     def text(self) -> str:
@@ -83,6 +88,9 @@ class PlannedRoute:
                          f"(source's j = {best.j_seed / MILE:.6g})")  # fmt: skip
         elif not best.certified:
             lines.append("  certificate: none")
+        for one in self.plan.limits:
+            lines.append(f"  limit {one.limit.name!r}, {one.limit.text}: margin {1.0 - one.use:.3f}, at most {one.use:.1%} of it, at "
+                         f"{one.place}")  # fmt: skip
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
     def save_csv(self, path: Path) -> None:
