@@ -8,12 +8,12 @@
 | f | linear on the triangles of a mesh | s |
 
 f starts as the shortest times over a graph of the mesh, with the largest speed along each leg, smoothed. Where h exceeds 1 the
-speeds are raised by as much, some `ROUNDS` times, and what is left is divided out, so that the condition holds whatever the graph's
-error. Around the start, where a cone is no plane, f is the cone of the convex hull of all sets of velocities.
+speeds are raised by as much, some `ROUNDS` times, and what is left is divided out, so that the condition holds whatever the
+graph's error. Around the start, where a cone is no plane, f is the cone of the convex hull of all sets of velocities.
 
 h is no sample but a bound over the whole of a cell and of a slab of time (`ranges`, `rates`), as is what is taken between nodes
 where the cone meets f and where the mesh ends, so that the bound holds for every route, whatever the mesh: one that is too coarse
-makes it small, not wrong. Cells that no route as fast as the best reaches in time are left out, by the speed that no ship exceeds.
+makes it small, not wrong. Cells that no route as fast as the best reaches in time are left out.
 
 Assumptions: those of `medium`; forbidden areas are left out, which makes the bound smaller.
 
@@ -34,8 +34,8 @@ from .ranges import Mesh, still
 from .rates import ANGLES, AROUND, TURN, Reach, anywhere, of_cells
 
 LEAST, MOST, TIMES, REACH, ROUNDS, PASSES = 60, 90, 25, 5, 5, 2
-"""Meshes from start to end at least and at most, instants, reach of a leg of the graph in meshes, passes over the graph and of the
-means of its times."""
+"""Meshes from start to end at least and at most, instants, reach of a leg of the graph in meshes, passes over the graph and of
+the means of its times."""
 MARGIN = 1.0 + 1e-9
 """Of the duration: the best route itself counts, whatever the rounding."""
 SLOWEST = 1e-3
@@ -81,14 +81,15 @@ def lower_bound(problem: Problem, duration: float) -> float:
     bound = 0.0
     if np.isfinite(time[_around(rates).max(axis=0) > 0.0]).all():
         bound = float(time[back + cells, side]) / scale + _least(cone - time / scale, away)
-    straight = max(float(ends[0].time(medium.map.distance(problem.start, end))), float(np.max(_cone(most, end[0] - x0, end[1] - y0))))
+    straight = float(ends[0].time(medium.map.distance(problem.start, end)))
+    straight = max(straight, float(np.max(_cone(most, end[0] - x0, end[1] - y0))))
     edge = (i == i.min()) | (i == i.max()) | (j == j.min()) | (j == j.max())
     return min(duration, _off_mesh(problem, mesh, edge, (ends[0], ends[1])), max(straight, bound))
 
 
 def _off_mesh(problem: Problem, mesh: Mesh, edge: Mask, ends: tuple[Reach, Reach]) -> float:
-    """Time, s, that no route over the edge of the mesh is faster than: to one of its nodes and on, less what half a mesh beside it
-    saves."""
+    """Time, s, that no route over the edge of the mesh is faster than: to one of its nodes and on, less what half a mesh beside
+    it saves."""
     plane, ((x0, y0), (x1, y1)) = problem.medium.map, (problem.start, problem.end)
     x, y, half = mesh.x[edge], mesh.y[edge], 0.5 * mesh.side
     aside = half / float(np.min(plane.scale(mesh.x, mesh.y)[0]))
@@ -116,8 +117,8 @@ def _cone(most: AnyArray, dx: AnyArray | float, dy: AnyArray | float) -> AnyArra
 
 
 def _least(planes: AnyArray, away: AnyArray) -> float:
-    """The least of an envelope of ``planes`` (k, nx, ny), given at nodes, over the edges of the mesh that part the cells around the
-    start from the others: on an edge it is no smaller than its best plane at the worse end."""
+    """The least of an envelope of ``planes`` (k, nx, ny), given at nodes, over the edges of the mesh that part the cells around
+    the start from the others: on an edge it is no smaller than its best plane at the worse end."""
     ring = (away >= REACH) & (away < REACH + 1.0 + math.sqrt(2.0))
     least, known = math.inf, np.isfinite(planes[0])  # where no route comes there is no time
     for first, last in ((np.s_[:-1, :], np.s_[1:, :]), (np.s_[:, :-1], np.s_[:, 1:])):

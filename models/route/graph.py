@@ -5,8 +5,8 @@
 A lattice of mesh D/``cells`` lies along the line from start to end (D apart). Each node has legs to all nodes within
 ``radius`` meshes that are not hidden behind another. As waiting never helps (`medium`), the earliest arrival is
 found in one sweep, whatever the field does with time. Limits (`limits`) are kept on the earliest way to every place alone: a
-ship that would have to wait for the sea to pass is told to leave later. The result is too long by the angles that the lattice lacks,
-whatever the mesh: 6 % for radius 1, 0.3 % for 3, 0.08 % for 5, 0.03 % for 8.
+ship that would have to wait for the sea to pass is told to leave later. The result is too long by the angles that the lattice
+lacks, whatever the mesh: 6 % for radius 1, 0.3 % for 3, 0.08 % for 5, 0.03 % for 8.
 
 `refine` then moves the points of a path sideways: at every station 9 places across the path, earliest arrival by
 dynamic programming from station to station, the spacing halved once nothing moves. It needs only speeds along legs, so

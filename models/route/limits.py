@@ -7,9 +7,9 @@
 | H, T | significant height and peak period where and when the ship is there | m, s |
 | mu | angle between her course through the water and the waves' travel, 0 following, pi head sea; both sides are alike | rad |
 
-A limit is a table of the use over periods and headings, for 1 m of height where the answer is linear, or over heights too. Between
-the entries it is linear. Above the largest height of a table nothing is known, which counts as beyond the limit; below the least
-one, and beyond the periods, the nearest entries count, and how long that is is told. Where the waves have no direction the worst
+A limit is a table of the use over periods and headings, for 1 m of height where the answer is linear, or over heights too.
+Between the entries it is linear. Above the largest height of a table nothing is known, which counts as beyond the limit; below the
+least one, and beyond the periods, the nearest entries count, and for how long is told. Where the waves have no direction the worst
 heading counts.
 
 A route is searched in what the limits leave of place, time and heading, with `SPARE` to spare. A ship that tacks is asked for the
@@ -42,8 +42,8 @@ CLOSE, FINE = 0.2, 8
 
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """``use`` (heights, periods, headings) over ``periods``, s, and ``headings``, rad, 0 to pi, ascending; ``heights``, m, or None
-    where ``use`` (1, periods, headings) is that of 1 m. ``text``: what may not be more than what, "heave 1.5 m"."""
+    """``use`` (heights, periods, headings) over ``periods``, s, and ``headings``, rad, 0 to pi, ascending; ``heights``, m, or
+    None where ``use`` (1, periods, headings) is that of 1 m. ``text``: what may not be more than what, "heave 1.5 m"."""
 
     name: str
     text: str
@@ -110,8 +110,8 @@ def exceeded(
 
 @dataclass(frozen=True)
 class Kept:
-    """How a route keeps a limit: its largest ``use``, where (m) and when (s), and the share of the time in which the nearest entries
-    of the table count."""
+    """How a route keeps a limit: its largest ``use``, where (m) and when (s), and the share of the time in which the nearest
+    entries of the table count."""
 
     limit: Limit
     use: float
@@ -150,7 +150,7 @@ def kept(medium: Medium, time: AnyArray, x: AnyArray, y: AnyArray) -> tuple[Kept
 
 
 def error(medium: Medium) -> float:
-    """Of a refined lattice path within limits, as a share of its time: more where they ask for the heading, and a ship has to beat."""
+    """Of a refined lattice path, as a share of its time: larger where a limit asks for the heading, and a ship has to beat."""
     return max((BEATING if np.any(np.ptp(limit.use, axis=-1) > 1e-9) else ROUND for limit in medium.limits), default=0.0)
 
 

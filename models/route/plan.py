@@ -3,8 +3,8 @@
 1. Dijkstra's method on a coarse lattice finds the basin of the global minimum (`graph`).
 2. Safeguarded shooting from there, and from a fan of courses for the other basins, gives extremals (`shooting`);
    those with a conjugate point, off the data or through a forbidden area are dropped.
-3. Where forbidden areas or limits (`limits`) touch the best extremal, or the polar is a table, the lattice path refined in a corridor is
-   the answer: at its accuracy (1e-4 of the time and better), without certificate, and called so.
+3. Where forbidden areas or limits (`limits`) touch the best extremal, or the polar is a table, the lattice path refined in a
+   corridor is the answer: at its accuracy (1e-4 of the time and better), without certificate, and called so.
 4. In an even sea the fastest way around discs and polygons is that of the visibility graph, exact (`visibility`).
 5. `bound` says how much faster than the best route any other could be.
 
@@ -108,8 +108,8 @@ def plan(
     limits = kept(medium, best.time, best.x, best.y)
     for one in limits:
         if one.beyond > 0.0:
-            notes.append(f"limit {one.limit.name!r}: {one.beyond:.1%} of the voyage meets heights or periods beyond its table, whose "
-                         "ends count there")  # fmt: skip
+            notes.append(f"limit {one.limit.name!r}: {one.beyond:.1%} of the voyage meets heights or periods beyond its table, "
+                         "whose ends count there")  # fmt: skip
     if tacks > 0.0 and limits:
         notes.append("limits are asked for the course made good: on the tacks themselves the waves come from elsewhere")
     return Plan(best, tuple(routes[1:]), straight, geodesic, graph_time, bound, horizon, over, tacks, tuple(notes), limits)
@@ -158,13 +158,13 @@ def _routes(
         if broken(kept(medium, fine.times, fine.points[:, 0], fine.points[:, 1])):
             fine = path
             if (worst := broken(kept(medium, path.times, path.points[:, 0], path.points[:, 1]))) is not None:
-                raise RouteError("unreachable", f"no route: the way that the lattice finds breaks the limit {worst.limit.name!r} at "
-                                 f"{worst.place}: try more meshes (cells), or leave later")  # fmt: skip
+                raise RouteError("unreachable", "no route: the way that the lattice finds breaks the limit "
+                                 f"{worst.limit.name!r} at {worst.place}: try more meshes (cells), or leave later")  # fmt: skip
         if not routes or fine.duration < routes[0].duration * (1.0 - SAME):
             share = max(CORRIDOR, limit_error(medium))
             if medium.smooth and method != "graph":
-                notes.append("no extremal is free of forbidden areas, within the limits and as fast as the lattice path: the answer is the "
-                             f"refined lattice path, exact to about {share:g}, without certificate")  # fmt: skip
+                notes.append("no extremal is free of forbidden areas, within the limits and as fast as the lattice path: the "
+                             f"answer is the refined lattice path, exact to about {share:g}, without certificate")  # fmt: skip
             routes.insert(0, Route("corridor", fine.times, fine.points[:, 0], fine.points[:, 1], error=share * fine.duration))
     return routes, path.duration if path else math.nan
 
@@ -217,8 +217,8 @@ def _limited(problem: Problem) -> str | None:
     if worst is None:
         return None
     return (f"no route within the limits: on the straight way {worst.limit.name!r} ({worst.limit.text}) is exceeded by "
-            f"{worst.use - 1.0:.0%} at {worst.place}, and the lattice finds no way around: leave later or earlier, allow more, or "
-            "lay the route by way of places that you choose")  # fmt: skip
+            f"{worst.use - 1.0:.0%} at {worst.place}, and the lattice finds no way around: leave later or earlier, allow more, "
+            "or lay the route by way of places that you choose")  # fmt: skip
 
 
 def _along(problem: Problem, points: Sequence[Point], kind: str, notes: list[str]) -> Route | None:

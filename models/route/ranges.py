@@ -188,8 +188,8 @@ def _storm_bends(field: Storms, mesh: Mesh) -> tuple[AnyArray, AnyArray]:
 
 
 def _grid(layers: Layers, mesh: Mesh, count: int) -> tuple[list[AnyArray], list[AnyArray], list[AnyArray], list[AnyArray]]:
-    """Of the first ``count`` quantities of a grid: least and largest values over cells and slabs, the values at the nodes, and how
-    far they lie off the interpolation."""
+    """Of the first ``count`` quantities of a grid: least and largest values over cells and slabs, the values at the nodes, and
+    how far they lie off the interpolation."""
     from scipy.ndimage import maximum_filter
 
     values = np.stack([layers.values(mesh.x, mesh.y, np.full(mesh.x.shape, t))[0, :count] for t in mesh.t.tolist()], axis=1)

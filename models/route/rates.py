@@ -6,8 +6,8 @@
 The second line holds because a support function is convex and homogeneous. Heights are looked up in steps: within one the support
 is largest at an end, give or take what the polar can change in half a step (`polar.steepest`; nothing for tables, whose sets of
 velocities are linear between levels, and whose supports so are convex). Directions of waves within an angle g of the middle
-one move the support by at most 2 sin(g/2) times the largest speed. Beside waves a wind table takes the largest factor of the waves
-from any side.
+one move the support by at most 2 sin(g/2) times the largest speed. Beside waves a wind table takes the largest factor of the
+waves from any side.
 """
 
 from __future__ import annotations

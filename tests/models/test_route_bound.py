@@ -22,8 +22,8 @@ from towage.models.route.rates import ANGLES, of_cells
 MILE, HOUR = 1852.0, 3600.0
 RNG = np.random.default_rng(7)
 SIDE = 40e3
-I, J = np.meshgrid(np.arange(8.0), np.arange(7.0), indexing="ij")
-MESH = Mesh(SIDE * (0.8 * I - 0.6 * J), SIDE * (0.6 * I + 0.8 * J), np.array([0.0, 1.0, 2.5, 4.0]) * HOUR, SIDE)
+ROW, COLUMN = np.meshgrid(np.arange(8.0), np.arange(7.0), indexing="ij")
+MESH = Mesh(SIDE * (0.8 * ROW - 0.6 * COLUMN), SIDE * (0.6 * ROW + 0.8 * COLUMN), np.array([0.0, 1.0, 2.5, 4.0]) * HOUR, SIDE)
 SWIRL = Storms(2.0, (StormField(0.0, 7.0, (60e3, 90e3), 90e3, (3.0, 6.0), swirl=True),
                      StormField(0.0, -1.5, (10e3, 250e3), 80e3, (-9.0, 0.0))), 0.4)  # fmt: skip
 XA, YA, TA = Axis(-300e3, 50e3, 14), Axis(-60e3, 45e3, 13), Knots(np.array([0.0, 3.0, 5.0, 11.0, 14.0]) * HOUR)
@@ -59,7 +59,7 @@ def test_no_sample_of_a_cell_exceeds_its_rate(name: str) -> None:
         highest: np.ndarray = np.full((7, 6), -math.inf)
         for _ in range(60 if medium.smooth else 4):
             u, v = RNG.uniform(0.0, 1.0, (2, 7, 6))
-            i, j = I[:-1, :-1] + u, J[:-1, :-1] + v
+            i, j = ROW[:-1, :-1] + u, COLUMN[:-1, :-1] + v
             x, y = SIDE * (0.8 * i - 0.6 * j), SIDE * (0.6 * i + 0.8 * j)
             known = medium.inside(x, y)
             now = medium.frozen(np.broadcast_to(RNG.uniform(*MESH.t[slab : slab + 2], (7, 6)), x.shape), x, y)

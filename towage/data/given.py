@@ -99,6 +99,7 @@ def _read(kind: str, path: Path, options: Mapping[str, Any], notes: list[str]) -
 def _kept(
     kind: str, path: Path, options: str, *stamp: int
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """What a file holds, with ``options`` as JSON; one that does not change is read once a process, because every run of a sweep asks."""
+    """What a file holds, read with ``options``, JSON; once a process where it does not change, because every run of a sweep
+    asks."""
     reader, notes = importlib.import_module(f"towage.data.{READERS[kind]}"), list[str]()
     return reader.read(path, json.loads(options), notes), tuple(notes)

@@ -90,8 +90,8 @@ class PlannedRoute:
         elif not best.certified:
             lines.append("  certificate: none")
         for one in self.plan.limits:
-            lines.append(f"  limit {one.limit.name!r}, {one.limit.text}: margin {1.0 - one.use:.3f}, at most {one.use:.1%} of it, at "
-                         f"{one.place}")  # fmt: skip
+            lines.append(f"  limit {one.limit.name!r}, {one.limit.text}: margin {1.0 - one.use:.3f}, at most {one.use:.1%} of it"
+                         f", at {one.place}")  # fmt: skip
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
     def save_csv(self, path: Path, of: Which = "best", rows: int = ROWS) -> None:
@@ -100,8 +100,8 @@ class PlannedRoute:
         write_csv(path, self.given.problem, self._route(of), rows)
 
     def save_gpx(self, path: Path, of: Which = "best", rows: int = ROWS) -> None:
-        """The track of a route as GPX 1.1, for a plotter; times where the file has a departure. Raises `TowageError` on a flat map,
-        which has no latitudes."""
+        """The track of a route as GPX 1.1, for a plotter; times where the file has a departure. Raises `TowageError` on a flat
+        map, which has no latitudes."""
         write_gpx(path, self.given, self._route(of), rows)
 
     def save_source_table(self, path: Path) -> None:

@@ -2,7 +2,8 @@
 
 Asked by `towage.routing.forecast.contents`, a line of JSON a question: ``{"file"}`` is answered by ``{"groups"}``, its numeric
 variables; ``{"file", "group", "name", "into"}`` leaves the values of a variable in the file ``into``, as floats with nan where
-there are none; ``{"file", "done"}`` closes it. Every answer has ``notes``, what the library warned of, and ``refused`` where it could not. netCDF4 applies
+there are none; ``{"file", "done"}`` closes it. Every answer has ``notes``, what the library warned of, and ``refused`` where it
+could not. netCDF4 applies
 ``_FillValue``, ``missing_value``, ``valid_range``, ``scale_factor`` and ``add_offset``.
 """
 
