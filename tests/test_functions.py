@@ -81,6 +81,7 @@ def test_a_route_is_a_value(tmp_path: Path) -> None:
     assert planned.document()["best_h"] == pytest.approx(56.71651, abs=1e-5)
     planned.save_csv(tmp_path / "straight.csv", "straight", 3)
     assert len((tmp_path / "straight.csv").read_text("utf-8").splitlines()) == 4
+    (tmp_path / "straight.csv").unlink()
     with pytest.raises(SceneError, match="known routes: pacific, storm"):
         route("nowhere")
 

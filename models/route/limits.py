@@ -8,9 +8,9 @@
 | mu | angle between her course through the water and the waves' travel, 0 following, pi head sea; both sides are alike | rad |
 
 A limit is a table of the use over periods and headings, for 1 m of height where the answer is linear, or over heights too.
-Between the entries it is linear. Above the largest height of a table nothing is known, which counts as beyond the limit; below the
-least one, and beyond the periods, the nearest entries count, and for how long is told. Where the waves have no direction the worst
-heading counts.
+Between the entries it is linear. Above the largest height of a table nothing is known, which counts as beyond the limit; below
+the least one, and beyond the periods, the nearest entries count, and for how long is told. Where the waves have no direction the
+worst heading counts.
 
 A route is searched in what the limits leave of place, time and heading, with `SPARE` to spare. A ship that tacks is asked for the
 course that she makes good.

@@ -61,7 +61,8 @@ class JamesPolar:
     def steepest(self) -> float:
         """Bound of the change of the speed in any direction with the height, 1/s: |a'| or |b'|, and |c'|, each by its line and
         the roots of its leading terms, since the square root of a positive parabola is nowhere steeper than far out."""
-        return KNOT / FOOT * (0.120197666 + 0.0386356466**0.5 + 0.125424493 + 0.0104418956**0.5 + 0.0130517910**0.5)
+        roots = math.sqrt(0.0386356466) + math.sqrt(0.0104418956) + math.sqrt(0.0130517910)
+        return KNOT / FOOT * (0.120197666 + 0.125424493 + roots)
 
     def beyond(self, height: Value) -> Value:
         """Whether ``height`` is above the range of the curves."""

@@ -101,20 +101,20 @@ def of_current(current: Current, mesh: Mesh) -> FlowRange | None:
 def sea_anywhere(field: Field, x: float, y: float) -> tuple[SeaRange, float] | None:
     """(range, growth): heights and directions at all times and places; beyond them, by ``growth`` a metre of distance from
     (``x``, ``y``), further heights. None for a field of another make."""
-    swirls, growth = False, 0.0
+    swirls, growth, angle = False, 0.0, 0.0
     if isinstance(field, (UniformField, LinearField)):
         low = high = float(field.at(*(np.array([v]) for v in (x, y, 0.0))).height[0])
-        growth = math.hypot(*field.gradient) if isinstance(field, LinearField) else 0.0
+        growth, angle = math.hypot(*field.gradient) if isinstance(field, LinearField) else 0.0, field.angle
     elif isinstance(field, (StormField, Storms)):
         storms = field.storms if isinstance(field, Storms) else (field,)
         low, high = (field.background + sum(pick(storm.peak, 0.0) for storm in storms) for pick in (min, max))
-        swirls = any(storm.swirl for storm in storms)
+        swirls, angle = any(storm.swirl for storm in storms), field.angle
     elif isinstance(field, GridField):
         low, high = (float(v[0]) for v in _whole(field.layers))
         swirls = True
     else:
         return None
-    return SeaRange(*(np.array([v]) for v in (low, high, 0.0 if swirls else field.angle, math.pi if swirls else 0.0))), growth
+    return SeaRange(*(np.array([v]) for v in (low, high, angle, math.pi if swirls else 0.0))), growth
 
 
 def current_anywhere(current: Current, x: float, y: float) -> tuple[FlowRange, float] | None:

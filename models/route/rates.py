@@ -44,8 +44,8 @@ class Most:
 
     def between(self, low: AnyArray, high: AnyArray, column: AnyArray | None = None) -> AnyArray:
         """The largest between two levels, (n,), in columns (..., n) of the rows where they have any."""
-        a, b = (np.clip(np.searchsorted(self.edges, v, side=s) - 1, 0, max(0, len(self.edges) - 2))
-                for v, s in ((low, "right"), (high, "left")))  # fmt: skip
+        places = np.searchsorted(self.edges, low, side="right"), np.searchsorted(self.edges, high, side="left")
+        a, b = (np.clip(k - 1, 0, max(0, len(self.edges) - 2)) for k in places)
         b = np.maximum(a, b)
         run = np.floor(np.log2(b - a + 1)).astype(int)
         found = np.zeros(np.shape(low) if column is None else column.shape)
@@ -129,7 +129,7 @@ def _supports(polar: Polar, sea: SeaRange, wind: SeaRange | None) -> Callable[[S
 
         def slowed(sea: SeaRange, wind: SeaRange | None) -> AnyArray:
             assert wind is not None
-            return over.of(wind) * factors.between(sea.low, sea.high)
+            return np.asarray(over.of(wind) * factors.between(sea.low, sea.high))
 
         return slowed
     by_wind = isinstance(polar, TablePolar) and polar.needs_wind
@@ -142,7 +142,7 @@ def _supports(polar: Polar, sea: SeaRange, wind: SeaRange | None) -> Callable[[S
 def _drift(flow: FlowRange) -> AnyArray:
     """Largest u.n_k, (AROUND, cells)."""
     c, s = np.cos(ANGLES)[:, None], np.sin(ANGLES)[:, None]
-    return np.maximum(c * flow.u_low, c * flow.u_high) + np.maximum(s * flow.w_low, s * flow.w_high)
+    return np.asarray(np.maximum(c * flow.u_low, c * flow.u_high) + np.maximum(s * flow.w_low, s * flow.w_high))
 
 
 class Reach(NamedTuple):

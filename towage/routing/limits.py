@@ -34,8 +34,8 @@ from towage.models.route.limits import Limit
 from towage.models.route.medium import OPS
 from towage.models.route.polar import KNOT, Polar
 from towage.models.sea.heave_response import Hull
-from towage.models.sea.kernel import POINT, Answer, Ship, answers, by_hull, by_table
-from towage.models.sea.motion import Sea, encounter
+from towage.models.sea.kernel import Answer, Ship, answers, by_hull, by_table
+from towage.models.sea.motion import POINT, Sea, encounter
 from towage.models.sea.response_table import DOFS, ResponseTable
 from towage.models.sea.seas import Shape, sea_components
 from towage.reading import Refused
@@ -89,7 +89,7 @@ def _table(reader: RouteTables, table: dict[str, Any], key: str, path: Path, kin
             most = reader.positive(table, f"{key}.limit", unit)
             answer, text = found[value].values / most, f"{value} {most:g} {unit}"
         angle = np.mod(data["direction"] + (math.pi if sense == "from" else 0.0), 2.0 * math.pi)
-        data["direction"] = np.round(np.minimum(angle, 2.0 * math.pi - angle), 9)
+        data["direction"] = np.asarray(np.round(np.minimum(angle, 2.0 * math.pi - angle), 9), dtype=float)
         return _grid(name, text, [data[axis] for axis in axes], answer)
     except Refused as refused:
         reader.fail(f"{path}: {refused}", where)
