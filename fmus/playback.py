@@ -9,11 +9,14 @@ from typing import Any
 from ..models.route.playback import Series, playback, straight
 from .declare.unit import Unit
 
+SEA = ("wave_height", "wave_period", "wave_direction", "speed")
+"""Columns that make the terminal ``sea`` of a ship."""
 FILES = {"series": "columns over time: CSV, npz or netCDF"}
 
 
 def _unit(series: Series, start: Mapping[str, float]) -> Unit:
-    return replace(Unit.of(playback(series), start=start, files=FILES, given=_given), needs_files=True)
+    terminals = {"sea": {name: name for name in SEA}} if set(SEA) <= set(series.names) else {}
+    return replace(Unit.of(playback(series), start=start, files=FILES, given=_given, terminals=terminals), needs_files=True)
 
 
 def _given(data: Mapping[str, Any]) -> Unit:

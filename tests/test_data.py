@@ -207,7 +207,8 @@ def test_a_monotone_series_stays_between_its_rows(tmp_path: Path) -> None:
 def test_a_route_is_played_as_its_csv_says(tmp_path: Path) -> None:
     text = "time_h,heading_deg,wave_height_m\n0,350,2\n1,359,3\n2,8,2.5\n"
     played, notes = play(text, tmp_path, unwrap=["heading"])
-    assert played.names == ("heading", "wave_height") and played.times == (0.0, 3600.0, 7200.0) and len(notes) == 3
+    assert played.names == ("heading", "wave_height") and played.times == (0.0, 3600.0, 7200.0)
+    assert notes == ["taken is time_h for time in h, heading_deg for heading in deg, wave_height_m for wave_height in m"]
     assert np.degrees(played.values[0]) == pytest.approx([350.0, 359.0, 368.0])
     assert "heading turns by more than half a circle from row 2 to 3" in " ".join(play(text, tmp_path)[1])
 
@@ -258,6 +259,17 @@ def test_a_spectrum_in_three_forms_is_one_sea(tmp_path: Path) -> None:
     # a quarter more clockwise, as on a compass, is less in the axes of the ship
     energies = {round(math.degrees(mu)): sum(row) for (mu, _), row in zip(made[2]["directions"], made[2]["densities"])}
     assert energies[45] == pytest.approx(energies[-45]) and energies[45] > 0.0 == energies[135] == energies[-135]
+    with Dataset(tmp_path / "several.nc", "w") as data:
+        for name, size in (("time", 2), ("site", 3), ("freq", 30)):
+            data.createDimension(name, size)
+        data.createVariable("freq", "f8", ("freq",))[:] = f
+        data.createVariable("efth", "f8", ("time", "site", "freq"))[:] = density * np.arange(1.0, 7.0).reshape(2, 3, 1)
+    one = spectra.read(tmp_path / "several.nc", {"select": {"time": 1, "site": 0}}, [])
+    assert one["height"] == pytest.approx(2.0 * made[0]["height"], rel=1e-12)  # four times the energy
+    bad = ({"time": 1}, "3 entries of site: choose one"), ({"time": 2, "site": 0}, "a whole number from 0 to 1")
+    for select, message in (*bad, ({"place": 1}, "expected numbers of entries, from 0, of time, site")):
+        with pytest.raises(Refused, match=message):
+            spectra.read(tmp_path / "several.nc", {"select": select}, [])
     (tmp_path / "bad.csv").write_text("frequency, density\n1,1\n2,2\n3,3\n")
     with pytest.raises(Refused, match="its unit is not given: expected"):
         spectra.read(tmp_path / "bad.csv", {}, [])

@@ -63,6 +63,14 @@ def test_random_encodings_of_one_field_give_one_field(name: str, tmp_path: Path)
         assert same_field(plain, loaded(tmp_path, given, way, f"seed{seed}")), f"seed {seed}: {way}"
 
 
+def test_the_next_forecast_can_be_written_in_the_place_of_the_last(tmp_path: Path) -> None:
+    """HDF5 locks what it reads: the process that reads lets go of a file when it is done."""
+    given, way = scenario("global"), Encoding(form="NETCDF4")
+    plain = loaded(tmp_path, given, way)
+    higher = loaded(tmp_path, replace(given, height=given.height + 1.0), way)
+    assert np.max(np.abs(field_of(higher).height - field_of(plain).height - 1.0)) < 1e-9
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FIELDS)
 def test_forty_random_encodings_give_one_answer(name: str, tmp_path: Path) -> None:
@@ -93,8 +101,9 @@ CASES: list[Any] = [  # case, encoding, hours, tolerance
     ("r02", Encoding(records=SIX_HOURLY, time=("hours since 2024-02-28 6:00:00", 1.0), time_shift=-6.0), 73.02375, 1e-5),
     ("r02", Encoding(records=np.delete(SIX_HOURLY, 8)), 73.02, 1e-2),  # what interpolation over the gap costs
     ("r02", Encoding(records=GFS), 73.02, 1e-2),  # what the coarser file costs
-    ("r03", Encoding(lon_start=-180.0, lon_order=np.roll(np.arange(360), 180)), 205.60072, 1e-5),
-    ("r03", Encoding(crop=(120.0, 260.0)), 205.60072, 1e-5),
+    # 32 fixed steps, as the case was collected, give 205.600717; 64 to 1024 steps agree to 3e-8 h
+    ("r03", Encoding(lon_start=-180.0, lon_order=np.roll(np.arange(360), 180)), 205.600704, 1e-5),
+    ("r03", Encoding(crop=(120.0, 260.0)), 205.600704, 1e-5),
     ("r05", Encoding(), 77.91385, 1e-5),
     ("r05", Encoding(missing=-999.0, missing_attribute=""), 77.91385, 1e-5),
 ]

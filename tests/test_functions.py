@@ -76,10 +76,12 @@ def test_stability_of_a_case(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: 
         stability("slender_flutter", u_max=15.0)
 
 
-def test_a_route_is_a_value() -> None:
+def test_a_route_is_a_value(tmp_path: Path) -> None:
     planned = route("storm")
     assert planned.document()["best_h"] == pytest.approx(56.71651, abs=1e-5)
-    assert planned.unit_parameters()["duration"] == pytest.approx(planned.plan.best.duration)
+    planned.save_csv(tmp_path / "straight.csv", "straight", 3)
+    assert len((tmp_path / "straight.csv").read_text("utf-8").splitlines()) == 4
+    (tmp_path / "straight.csv").unlink()
     with pytest.raises(SceneError, match="known routes: pacific, storm"):
         route("nowhere")
 

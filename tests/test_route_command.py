@@ -29,15 +29,17 @@ def test_times_saving_and_certificate(capsys: pytest.CaptureFixture[str], tmp_pa
     assert picture.read_text("utf-8").lstrip().startswith("<?xml")
 
 
-def test_json_and_parameters(capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_and_the_other_track(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert cli.main(["route", "pacific", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["best_h"] == pytest.approx(210.80314293, rel=1e-9)
     assert document["geodesic_h"] == pytest.approx(210.80314293, rel=1e-6)  # 240 chords
     assert document["certified"] and document["kind"] == "extremal" and document["other_minima_h"] == []
-    assert cli.main(["route", "pacific", "--parameters", "best"]) == 0
-    shown = capsys.readouterr().out
-    assert "duration = 758891" in shown and "heading_24" in shown
+    table = tmp_path / "straight.csv"
+    assert cli.main(["route", "pacific", "--csv", str(table), "--of", "straight", "--rows", "7"]) == 0
+    rows = list(csv.DictReader(table.read_text("utf-8").splitlines()))
+    assert len(rows) == 7 and float(rows[-1]["longitude_deg"]) == pytest.approx(-125.0, abs=1e-6)
+    assert float(rows[-1]["time_h"]) > 210.9  # on the plane the straight line is no great circle
 
 
 @pytest.mark.parametrize(

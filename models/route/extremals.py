@@ -16,6 +16,7 @@ import numpy as np
 from ..numeric.arrays import AnyArray
 from .areas import blocked
 from .graph import Path
+from .limits import broken, kept
 from .problem import Problem, Route
 from .shooting import Shots, Track, shoot, tracks
 
@@ -113,6 +114,8 @@ def _reason(problem: Problem, way: Track, method: str) -> str:
         return f"leaves the data at ({way.x[i]:.6g}, {way.y[i]:.6g}) m, t = {way.time[i]:.6g} s"
     if np.any(blocked(problem.areas, way.x[:-1], way.y[:-1], way.x[1:], way.y[1:])):
         return "crosses a forbidden area"
+    if (worst := broken(kept(problem.medium, way.time, way.x, way.y))) is not None:
+        return f"breaks the limit {worst.limit.name!r} ({worst.limit.text}) by {worst.use - 1.0:.0%} at {worst.place}"
     if method != "seed" and not way.certified:
         return "has a conjugate point and is no minimum"
     return ""

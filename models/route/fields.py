@@ -34,6 +34,10 @@ UNDIRECTED = 1e-9
 """Length of the mean direction vector below which there is no direction."""
 
 
+Slope = tuple[AnyArray, AnyArray, AnyArray]
+"""A value, its x and its y derivative."""
+
+
 class Sea(NamedTuple):
     """Arrays of one shape; gradients per m of the plane."""
 
@@ -176,6 +180,14 @@ class Storms(_Everywhere):
 
     def at(self, x: AnyArray, y: AnyArray, t: AnyArray) -> Sea:
         """The sea."""
+        height, wx, wy = self.parts(x, y, t)
+        if any(storm.swirl for storm in self.storms):
+            return directed_sea(height, wx, wy)
+        zero = np.zeros_like(wx[0])
+        return Sea(*height, wx[0], wy[0], zero, zero, np.ones_like(zero, dtype=bool))
+
+    def parts(self, x: AnyArray, y: AnyArray, t: AnyArray) -> tuple[Slope, Slope, Slope]:
+        """Height and the components of a vector along k, each with its x and y derivatives."""
         zero = 0.0 * (x + y + t)
         height, hx, hy = self.background + zero, zero, zero
         k0x, k0y = math.cos(self.angle), math.sin(self.angle)
@@ -192,13 +204,11 @@ class Storms(_Everywhere):
                 wx, wy = wx - e * (k0x + dy * s), wy - e * (k0y - dx * s)
                 wx_x, wx_y = wx_x - ex * (k0x + dy * s), wx_y - ey * (k0x + dy * s) - e * s
                 wy_x, wy_y = wy_x - ex * (k0y - dx * s) + e * s, wy_y - ey * (k0y - dx * s)
-        if not any(storm.swirl for storm in self.storms):
-            return Sea(height, hx, hy, zero + k0x, zero + k0y, zero, zero, np.ones_like(zero, dtype=bool))
-        return directed_sea((height, hx, hy), (wx, wx_x, wx_y), (wy, wy_x, wy_y))
+        return (height, hx, hy), (wx, wx_x, wx_y), (wy, wy_x, wy_y)
 
 
 def directed_sea(
-    height: tuple[AnyArray, AnyArray, AnyArray], wx: tuple[AnyArray, AnyArray, AnyArray], wy: tuple[AnyArray, AnyArray, AnyArray]
+    height: Slope, wx: Slope, wy: Slope
 ) -> Sea:
     """The sea from a height and a vector along k of any length, each with its x and y derivatives."""
     length = np.hypot(wx[0], wy[0])

@@ -32,8 +32,10 @@ import numpy as np
 
 from ..numeric.arrays import AnyArray
 from ..numeric.ops import Value, arrays
+from ..sea.waves import steepest_frequency
 from .fields import Current, Field, LinearCurrent, Sea
 from .hulls import TablePolar, WindWavePolar
+from .limits import Limit
 from .maps import RouteMap
 from .polar import Polar
 
@@ -41,6 +43,8 @@ OPS = arrays()
 STILL = LinearCurrent()
 TOP_SPEED = 60.0
 """No ship is faster through the water, m/s."""
+CALM = 0.1
+"""Height below which a period is that of this height, m."""
 AROUND = 72
 """Directions in which a largest speed is looked for."""
 ANGLES = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
@@ -48,13 +52,15 @@ ANGLES = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
 
 @dataclass(frozen=True)
 class Medium:
-    """Map, wave field and polar of a problem, a current and the true wind where there are (``wind``: its speed as a height)."""
+    """Map, wave field and polar of a problem, a current and the true wind where there are (``wind``: its speed as a height), and
+    ``limits`` of what the sea may do to the ship."""
 
     map: RouteMap
     field: Field
     polar: Polar
     current: Current = STILL
     wind: Field | None = None
+    limits: tuple[Limit, ...] = ()
 
     @property
     def smooth(self) -> bool:
@@ -168,6 +174,24 @@ class Medium:
     def speed_along(self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray) -> AnyArray:
         """Largest speed on the plane, m/s, along the unit vector p; 0 where the ship cannot make it good."""
         return self.frozen(t, x, y).along(px, py)
+
+    def period(self, sea: Sea, x: AnyArray, y: AnyArray, t: AnyArray) -> AnyArray:
+        """Peak period, s; where it is not known that of a Pierson-Moskowitz sea of the height, of `CALM` at least."""
+        own = 2.0 * np.pi / steepest_frequency(np.maximum(sea.height, CALM), OPS)
+        given = self.field.period(x, y, t)
+        return np.where(given > 0.0, given, own)
+
+    def uses(self, t: AnyArray, x: AnyArray, y: AnyArray, px: AnyArray, py: AnyArray) -> list[AnyArray]:
+        """Of every limit its use on the course p over the ground, arrays of one shape."""
+        sea = self.field.at(x, y, t)
+        if self.current is not STILL:
+            now = self.frozen(t, x, y)
+            v = now.along(px, py) / now.scale
+            vx, vy = v * px - now.u, v * py - now.w
+            size = np.hypot(vx, vy)
+            px, py = (np.where(size > 1e-9, part / np.maximum(size, 1e-9), p) for part, p in ((vx, px), (vy, py)))
+        period = self.period(sea, x, y, t)
+        return [limit.in_sea(sea, period, px, py) for limit in self.limits]
 
     def fastest(self, t: AnyArray, x: AnyArray, y: AnyArray) -> AnyArray:
         """A bound on the speed on the plane in any direction, m/s."""

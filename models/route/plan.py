@@ -3,8 +3,8 @@
 1. Dijkstra's method on a coarse lattice finds the basin of the global minimum (`graph`).
 2. Safeguarded shooting from there, and from a fan of courses for the other basins, gives extremals (`shooting`);
    those with a conjugate point, off the data or through a forbidden area are dropped.
-3. Where forbidden areas touch the best extremal, or the polar is a table, the lattice path refined in a corridor is
-   the answer: at its accuracy (1e-4 of the time and better), without certificate, and called so.
+3. Where forbidden areas or limits (`limits`) touch the best extremal, or the polar is a table, the lattice path refined in a
+   corridor is the answer: at its accuracy (1e-4 of the time and better), without certificate, and called so.
 4. In an even sea the fastest way around discs and polygons is that of the visibility graph, exact (`visibility`).
 5. `bound` says how much faster than the best route any other could be.
 
@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from .bound import lower_bound
 from .extremals import SAME, extremals, sailed
 from .graph import Point
 from .hulls import TACKS
+from .limits import Kept, broken, kept
+from .limits import error as limit_error
 from .maps import FlatMap
 from .medium import Medium
 from .polar import KNOT
@@ -43,8 +45,9 @@ CORRIDOR = 1e-4
 @dataclass(frozen=True)
 class Plan:
     """``best`` and the ``others`` (local minima, ascending), STRAIGHT and geodesic where they can be sailed; ``lower_bound``, s:
-    no route is faster (nan: not known); shares of the best voyage beyond the last forecast, beyond the polar's range, and
-    tacking; ``notes`` for people."""
+    no route is faster (nan: not known); shares of the time of the best voyage beyond the last forecast, beyond the polar's
+    range, and tacking: on courses that she makes good only by tacks, of ways equally fast the straightest; ``notes`` for people;
+    ``limits``: how the best route keeps each."""
 
     best: Route
     others: tuple[Route, ...]
@@ -56,6 +59,7 @@ class Plan:
     beyond_polar: float
     tacking: float
     notes: tuple[str, ...] = field(default=())
+    limits: tuple[Kept, ...] = ()
 
     @property
     def saving(self) -> float | None:
@@ -85,9 +89,11 @@ def plan(
         geodesic = straight
     else:
         geodesic = _along(problem, medium.map.geodesic(start, end, STRAIGHT_LEGS), "geodesic", notes)
+    routes, graph_time = [], math.nan
     if method != "graph" and visibility.applies(medium, problem.areas) and _in_the_way(problem):
-        routes, graph_time = [_around(problem)], math.nan
-    else:
+        around = _around(problem)
+        routes = [] if broken(kept(medium, around.time, around.x, around.y)) else [around]
+    if not routes:
         routes, graph_time = _routes(problem, method, cells, radius, fan, fraction, notes)
     best = routes[0]
     horizon = max(0.0, 1.0 - medium.horizon / best.duration)
@@ -99,7 +105,14 @@ def plan(
     if tacks > 0.0:
         notes.append(f"tack: {tacks:.1%} of the voyage needs tacking on a hull chord of polar {medium.polar.name}")
     bound = best.duration if best.kind == "visibility" else lower_bound(problem, best.duration)
-    return Plan(best, tuple(routes[1:]), straight, geodesic, graph_time, bound, horizon, over, tacks, tuple(notes))
+    limits = kept(medium, best.time, best.x, best.y)
+    for one in limits:
+        if one.beyond > 0.0:
+            notes.append(f"limit {one.limit.name!r}: {one.beyond:.1%} of the voyage meets heights or periods beyond its table, "
+                         "whose ends count there")  # fmt: skip
+    if tacks > 0.0 and limits:
+        notes.append("limits are asked for the course made good: on the tacks themselves the waves come from elsewhere")
+    return Plan(best, tuple(routes[1:]), straight, geodesic, graph_time, bound, horizon, over, tacks, tuple(notes), limits)
 
 
 def _in_the_way(problem: Problem) -> bool:
@@ -130,6 +143,8 @@ def _routes(
     if method != "graph" and medium.smooth:
         routes = extremals(problem, path, method, fan, fraction, notes)
     if not routes and method == "seed":
+        if dropped := [note for note in notes if note.endswith(": dropped")]:
+            raise RouteError("unreachable", "; ".join(dropped) + ": the safeguarded method looks for other ways")
         raise RouteError("diverged", "the source's iteration did not converge from the straight course: take half of its "
                          "corrections (fraction = 0.5), or the safeguarded method")  # fmt: skip
     if path is None and method != "seed":
@@ -138,12 +153,19 @@ def _routes(
         notes.append("the lattice finds no way: other basins may have been missed")
     if path is not None and (not routes or routes[0].duration > path.duration):
         fine = route_graph.refine(medium, path, problem.areas)
+        if not medium.smooth and not medium.limits:
+            fine = route_graph.straightened(medium, fine, problem.areas)
+        if broken(kept(medium, fine.times, fine.points[:, 0], fine.points[:, 1])):
+            fine = path
+            if (worst := broken(kept(medium, path.times, path.points[:, 0], path.points[:, 1]))) is not None:
+                raise RouteError("unreachable", "no route: the way that the lattice finds breaks the limit "
+                                 f"{worst.limit.name!r} at {worst.place}: try more meshes (cells), or leave later")  # fmt: skip
         if not routes or fine.duration < routes[0].duration * (1.0 - SAME):
+            share = max(CORRIDOR, limit_error(medium))
             if medium.smooth and method != "graph":
-                notes.append("no extremal is free of forbidden areas and as fast as the lattice path: the answer is the "
-                             "refined lattice path, exact to about 1e-4, without certificate")  # fmt: skip
-            error = CORRIDOR * fine.duration
-            routes.insert(0, Route("corridor", fine.times, fine.points[:, 0], fine.points[:, 1], error=error))
+                notes.append("no extremal is free of forbidden areas, within the limits and as fast as the lattice path: the "
+                             f"answer is the refined lattice path, exact to about {share:g}, without certificate")  # fmt: skip
+            routes.insert(0, Route("corridor", fine.times, fine.points[:, 0], fine.points[:, 1], error=share * fine.duration))
     return routes, path.duration if path else math.nan
 
 
@@ -174,6 +196,8 @@ def why_unreachable(problem: Problem) -> str:
         place = f"({x[k]:.6g}, {y[k]:.6g}) m"
         return (f"no route: the current is stronger than the ship, {drift[k] / KNOT:.3g} kn at {place}, where she makes at most "
                 f"{ship[k] / KNOT:.3g} kn: she cannot hold her way against it to the end")  # fmt: skip
+    if (closed := _limited(problem)) is not None:
+        return closed
     causes = []
     if problem.areas:
         causes.append("forbidden areas")
@@ -182,6 +206,19 @@ def why_unreachable(problem: Problem) -> str:
     if not visibility.even(medium) or np.any(ship <= 0.0):
         causes.append("seas against which the ship makes no way")
     return "no route: every way to the end is closed by " + (" or ".join(causes) or "winds in which the ship makes no way")
+
+
+def _limited(problem: Problem) -> str | None:
+    """Which limit closes the straight way, where, and what to try; None where none does."""
+    free = replace(problem, medium=replace(problem.medium, limits=()))
+    way = _along(free, [problem.start, problem.end], "straight", [])
+    found = kept(problem.medium, way.time, way.x, way.y) if way else ()
+    worst = broken(found)
+    if worst is None:
+        return None
+    return (f"no route within the limits: on the straight way {worst.limit.name!r} ({worst.limit.text}) is exceeded by "
+            f"{worst.use - 1.0:.0%} at {worst.place}, and the lattice finds no way around: leave later or earlier, allow more, "
+            "or lay the route by way of places that you choose")  # fmt: skip
 
 
 def _along(problem: Problem, points: Sequence[Point], kind: str, notes: list[str]) -> Route | None:
@@ -199,17 +236,22 @@ def _along(problem: Problem, points: Sequence[Point], kind: str, notes: list[str
         k = int(np.argmax(np.isinf(times)))
         notes.append(f"the {kind} route ends at ({line[k, 0]:.6g}, {line[k, 1]:.6g}) m: no way against the sea there")
         return None
+    if (worst := broken(kept(problem.medium, times, line[:, 0], line[:, 1]))) is not None:
+        notes.append(f"the {kind} route breaks the limit {worst.limit.name!r} ({worst.limit.text}) by {worst.use - 1.0:.0%} at "
+                     f"{worst.place}")  # fmt: skip
+        return None
     return Route(kind, times, line[:, 0], line[:, 1])
 
 
 def _shares(medium: Medium, route: Route) -> tuple[float, float]:
-    """Shares of the time beyond the polar's range and on hull chords."""
-    step = np.diff(route.time)
-    weights = 0.5 * (np.concatenate([[0.0], step]) + np.concatenate([step, [0.0]])) / route.duration
-    m = medium.map.scale(route.x, route.y)[0]
-    u, w = medium.current.at(route.x, route.y, route.time)[:2]
-    vx, vy = (np.gradient(place, route.time) / m - drift for place, drift in ((route.x, u), (route.y, w)))
+    """Shares of the time on legs beyond the polar's range, and on legs that the ship makes good by tacking only: whose course
+    through the water lies between the corners of a chord of the hull, where the table itself is slower."""
+    spent = np.diff(route.time)
+    x, y, t = (0.5 * (v[1:] + v[:-1]) for v in (route.x, route.y, route.time))
+    m = medium.map.scale(x, y)[0]
+    u, w = medium.current.at(x, y, t)[:2]
+    vx, vy = (np.diff(place) / np.maximum(spent, 1e-300) / m - drift for place, drift in ((route.x, u), (route.y, w)))
     size = np.maximum(np.hypot(vx, vy), 1e-300)
-    made, own, over = medium.frozen(route.time, route.x, route.y).sail(vx / size, vy / size)
+    made, own, over = medium.frozen(t, x, y).sail(vx / size, vy / size)
     tacks = made > (1.0 + TACKS) * own
-    return float(np.sum(weights * over)), float(np.sum(weights * tacks))
+    return float(np.sum(spent * over) / route.duration), float(np.sum(spent * tacks) / route.duration)

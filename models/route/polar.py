@@ -57,6 +57,13 @@ class JamesPolar:
             * (0.125424493 - (0.0104418956 * h - 0.03323969455) / r3 + (0.0130517910 * h - 0.096895817) / r4),
         )
 
+    @property
+    def steepest(self) -> float:
+        """Bound of the change of the speed in any direction with the height, 1/s: |a'| or |b'|, and |c'|, each by its line and
+        the roots of its leading terms, since the square root of a positive parabola is nowhere steeper than far out."""
+        roots = math.sqrt(0.0386356466) + math.sqrt(0.0104418956) + math.sqrt(0.0130517910)
+        return KNOT / FOOT * (0.120197666 + 0.125424493 + roots)
+
     def beyond(self, height: Value) -> Value:
         """Whether ``height`` is above the range of the curves."""
         return height > JAMES_LIMIT
@@ -75,6 +82,11 @@ class ProportionalPolar:
         zero = 0.0 * value
         return self.along * value, self.across * value, zero, self.along + zero, self.across + zero, zero
 
+    @property
+    def steepest(self) -> float:
+        """0: the speed is proportional to the value, and largest where that is."""
+        return 0.0
+
     def beyond(self, value: Value) -> Value:
         """Never."""
         return value != value
@@ -91,6 +103,11 @@ class ConstantPolar:
         """A circle."""
         zero = 0.0 * height
         return self.speed + zero, self.speed + zero, zero, zero, zero, zero
+
+    @property
+    def steepest(self) -> float:
+        """0."""
+        return 0.0
 
     def beyond(self, height: Value) -> Value:
         """Never."""

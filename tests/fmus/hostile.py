@@ -27,7 +27,7 @@ LINEAR: dict[str, tuple[str, dict[str, float]]] = {
 }
 """Unit and structure: few states, so that many runs begin in the time."""
 EXAMPLE = "linear_example"
-LARGE = ("voyage", "ship_in_sea", "playback")
+LARGE = ("ship_in_sea", "playback")
 SMALL = tuple(name for name in NATIVE if name not in (*LINEAR, *LARGE))
 ALL = (*SMALL, EXAMPLE, *LINEAR, *LARGE)
 

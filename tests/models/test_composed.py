@@ -23,10 +23,9 @@ from towage.models.numeric.dual_ops import output_rates
 from towage.models.numeric.ops import FLOATS, NEVER, arrays, symbols
 from towage.models.protocol.model import AnyModel, Model
 from towage.models.protocol.variables import quantities
-from towage.models.route.voyage import VOYAGE
 from towage.models.slender.sway_craft import SWAY_CRAFT
 
-MODELS = (SHIP, SPRING_LINE, CRADLE, CRADLE_ON_LINE, TOWED_BODY, BODY_FORCE, SWAY_CRAFT, VOYAGE)
+MODELS = (SHIP, SPRING_LINE, CRADLE, CRADLE_ON_LINE, TOWED_BODY, BODY_FORCE, SWAY_CRAFT)
 WIRING = (
     Connection(("ship", "heave"), ("line", "heave_top")),
     Connection(("cradle", "heave"), ("line", "heave_bottom")),

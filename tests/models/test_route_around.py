@@ -216,6 +216,17 @@ def test_what_lies_beyond_the_ends_of_a_table() -> None:
     assert upwind.best.duration == pytest.approx(60.0 * MILE / (6.0 * math.cos(ANGLES[0])), rel=1e-6)
 
 
+def test_the_share_of_tacking_is_that_of_the_legs_in_the_no_go_zone() -> None:
+    """Over the corner of a wall to a goal dead upwind of it: the first leg is sailed as it is, the second by tacks."""
+    sailing = TablePolar([0.0], ANGLES, [SPEEDS], ends="no-go")
+    wall = square(20, -300, 90, 40)
+    found = plan(Problem(Medium(FlatMap(), UniformField(1.0), sailing), START, (100.0 * MILE, 40.0 * MILE), (wall,)))
+    reach = math.hypot(20.0, 40.0) / float(np.interp(math.atan2(40.0, 20.0), ANGLES, SPEEDS))
+    beat = 80.0 / (6.0 * math.cos(ANGLES[0]))
+    assert found.best.kind == "visibility" and found.best.duration == pytest.approx((reach + beat) * MILE, rel=1e-6)
+    assert found.tacking == pytest.approx(beat / (reach + beat), rel=1e-6)  # directions of the hull are 1/20 degree apart
+
+
 def wind_and_waves(factors: list[list[float]]) -> WindWavePolar:
     wind = Table([0.0, 10.0], ANGLES, [[0.0] * 8, SPEEDS], "no-go", level="winds")
     return WindWavePolar(wind, Table([0.0, 4.0], [0.0, math.pi], factors, value="factors"))

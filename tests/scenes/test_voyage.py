@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from msgspec.structs import replace
 
+from towage.errors import SceneError
 from towage.master.master import Master
-from towage.models.route import voyage
 from towage.models.route.plan import plan
 from towage.result.result import Result
 from towage.routing.file import load
-from towage.routing.output import unit_parameters
-from towage.scene.scene import Scene
+from towage.routing.output import write_csv
+from towage.scene.files import declared
+from towage.scene.scene import SHIPPED, Scene
 
 BEST, STRAIGHT = "best route", "straight route"
+TABLES = {BEST: "voyage_best.csv", STRAIGHT: "voyage_straight.csv"}
 
 
 def run(scene: Scene, case: str) -> Result:
@@ -25,24 +28,41 @@ def run(scene: Scene, case: str) -> Result:
 
 def shortened(pace: float, stop: float) -> Scene:
     """The scene with a faster voyage and without the one-way run."""
-    scene = Scene.load("voyage_tow")
-    units = dict(scene.units)
-    units["voyage"] = replace(units["voyage"], parameters={**units["voyage"].parameters, "pace": pace})
-    return replace(scene, units=units, stop_time=stop, checks=scene.checks.without("sdof"))
+    scene = Scene.load("voyage_tow").with_values({"voyage.pace": pace, "stop_time": stop})
+    return scene.without_comparisons()
 
 
 @pytest.mark.parametrize("case", [BEST, STRAIGHT])
-def test_the_table_is_that_of_the_route(case: str) -> None:
+def test_the_table_is_that_of_the_route(case: str, tmp_path: Path) -> None:
     given = load("storm")
     found = plan(given.problem)
     route = found.best if case == BEST else found.straight
     assert route is not None
-    wanted = unit_parameters(given.problem, route)
-    entry = Scene.load("voyage_tow").case(case).units["voyage"].parameters
-    scale = {c: max(abs(wanted[f"{c}_{k}"]) for k in range(voyage.POINTS)) for c in voyage.COLUMNS}
-    for name, value in wanted.items():
-        size = scale.get(name.rpartition("_")[0], abs(value))
-        assert entry[name] == pytest.approx(value, abs=2e-6 * size + 1e-9), name  # seven printed digits
+    write_csv(tmp_path / "made.csv", given.problem, route)
+    assert Scene.load("voyage_tow").case(case).units["voyage"].files["series"]["file"] == TABLES[case]
+    shipped, made = (np.loadtxt(p, delimiter=",", skiprows=1) for p in (SHIPPED / TABLES[case], tmp_path / "made.csv"))
+    assert shipped == pytest.approx(made, rel=1e-6, abs=1e-6)  # nine printed digits of an iteration that ends at 1e-10
+
+
+def test_a_case_chooses_the_file_of_a_unit() -> None:
+    scene = Scene.load("voyage_tow")
+    ends = {}
+    for case in (BEST, STRAIGHT):
+        chosen = scene.case(case)
+        unit = declared(chosen, "voyage")
+        assert set(unit.terminals["sea"]) == {"wave_height", "wave_period", "wave_direction", "speed"}
+        ends[case] = unit.model.Parameters.series.times[-1] / 3600.0
+    assert ends == pytest.approx({BEST: 56.716510, STRAIGHT: 61.968521}, abs=1e-5)
+    whole = scene.with_values({"voyage.files.series": "voyage_straight.csv"})
+    assert whole.units["voyage"].files == {"series": "voyage_straight.csv"}
+    again = whole.with_values({"voyage.files.series.unwrap": ["heading"]})
+    assert again.units["voyage"].files == {"series": {"file": "voyage_straight.csv", "unwrap": ["heading"]}}
+    with pytest.raises(SceneError, match="'voyage.files.serie.file' cannot be set: the unit has no file 'serie'; did you mean"):
+        scene.with_values({"voyage.files.serie.file": "x.csv"})
+    with pytest.raises(SceneError, match="takes no file 'log': it takes series"):
+        declared(scene.with_values({"voyage.files.log": "x.csv"}), "voyage")
+    with pytest.raises(SceneError, match=r"nowhere.csv: No such file"):
+        declared(scene.with_values({"voyage.files.series.file": "nowhere.csv"}), "voyage")
 
 
 @pytest.mark.slow

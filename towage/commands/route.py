@@ -17,13 +17,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fraction", metavar="F", type=float, help="of the corrections of the method seed; the source's: 0.5")
     parser.add_argument("--cells", metavar="N", type=_count, default=20, help="meshes of the graph from start to end")
     parser.add_argument("--radius", metavar="R", type=_count, default=3, help="reach of a leg of the graph, meshes")
-    parser.add_argument("--csv", metavar="FILE", type=Path, help="write the track of the best route")
+    parser.add_argument("--csv", metavar="FILE", type=Path, help="write the track, as the unit playback plays it")
+    parser.add_argument("--rows", metavar="N", type=_rows, default=101, help="of the CSV and points of the GPX file (101)")
+    parser.add_argument("--of", choices=("best", "straight"), default="best", help="whose track is written (best)")
     parser.add_argument("--gpx", metavar="FILE", type=Path, help="write it as GPX, for a plotter")
     parser.add_argument("--source-table", metavar="FILE", type=Path,
                         help="write the source's columns along an extremal: LAMBDA, S, J, Q")  # fmt: skip
     parser.add_argument("--map", metavar="FILE", type=Path, help="draw waves and routes (.svg, .png or .pdf)")
     parser.add_argument("--at", metavar="HOURS", type=_hours, action="append", help="time of a map (may be repeated)")
-    parser.add_argument("--parameters", choices=("best", "straight"), help="print the parameters of the unit voyage")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.epilog = "example:\n  towage route storm --map storm.svg --csv storm.csv"
 
@@ -32,6 +33,13 @@ def _count(text: str) -> int:
     value = int(text)
     if not 1 <= value <= 200:
         raise argparse.ArgumentTypeError("expected 1 to 200")
+    return value
+
+
+def _rows(text: str) -> int:
+    value = int(text)
+    if not 2 <= value <= 100_000:
+        raise argparse.ArgumentTypeError("expected 2 to 100000")
     return value
 
 
@@ -45,7 +53,6 @@ def _hours(text: str) -> float:
 def execute(arguments: argparse.Namespace) -> int:
     """0 with a route; every reason for having none is a `TowageError`."""
     from towage.errors import SceneError
-    from towage.routing.output import parameters_text
     from towage.routing.route import route
 
     if arguments.map and arguments.map.suffix.lower() not in (".svg", ".png", ".pdf"):
@@ -53,16 +60,14 @@ def execute(arguments: argparse.Namespace) -> int:
     planned = route(arguments.file, method=arguments.method, cells=arguments.cells, radius=arguments.radius,
                     fraction=arguments.fraction)  # fmt: skip
     if arguments.csv:
-        planned.save_csv(arguments.csv)
+        planned.save_csv(arguments.csv, arguments.of, arguments.rows)
     if arguments.gpx:
-        planned.save_gpx(arguments.gpx)
+        planned.save_gpx(arguments.gpx, arguments.of, arguments.rows)
     if arguments.source_table:
         planned.save_source_table(arguments.source_table)
     if arguments.map:
         planned.save_map(arguments.map, arguments.at)
-    if arguments.parameters:
-        print(parameters_text(planned.unit_parameters(arguments.parameters)), end="")
-    elif arguments.json:
+    if arguments.json:
         print(json.dumps(planned.document(), indent=2))
     else:
         print(planned.text())

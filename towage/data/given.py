@@ -14,6 +14,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import importlib
+import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -89,15 +90,16 @@ def given(name: str, files: Mapping[str, Any], folder: Path, fail: Callable[[str
 
 def _read(kind: str, path: Path, options: Mapping[str, Any], notes: list[str]) -> dict[str, Any]:
     status = path.stat()
-    data, said = _kept(kind, path, tuple(sorted(options.items())), status.st_mtime_ns, status.st_size)
+    data, said = _kept(kind, path, json.dumps(options, sort_keys=True, default=str), status.st_mtime_ns, status.st_size)
     notes += said
     return data
 
 
 @functools.lru_cache(maxsize=16)
 def _kept(
-    kind: str, path: Path, options: tuple[tuple[str, Any], ...], *stamp: int
+    kind: str, path: Path, options: str, *stamp: int
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """What a file holds; one that does not change is read once a process, because every run of a sweep asks."""
+    """What a file holds, read with ``options``, JSON; once a process where it does not change, because every run of a sweep
+    asks."""
     reader, notes = importlib.import_module(f"towage.data.{READERS[kind]}"), list[str]()
-    return reader.read(path, dict(options), notes), tuple(notes)
+    return reader.read(path, json.loads(options), notes), tuple(notes)

@@ -68,14 +68,16 @@ def read(path: Path, given: Mapping[str, Any], notes: list[str]) -> dict[str, An
 
 def _with_units(table: Table, notes: list[str]) -> Table:
     """The table with the units that names end in, as "speed_kn"."""
-    found = []
+    found, taken = [], []
     for column in table.columns:
         name, _, unit = column.name.rpartition("_")
         if column.unit or not name or not _is_unit(unit):
             found.append(column)
             continue
-        notes.append(f"{column.name} is taken for {name} in {unit}")
+        taken.append(f"{column.name} for {name} in {unit}")
         found.append(Column(name, unit, column.values))
+    if taken:
+        notes.append(f"taken is {', '.join(taken)}")
     return Table(tuple(found), table.places)
 
 

@@ -2,7 +2,8 @@
 
 * CSV: ``frequency`` [Hz] or [rad/s], ``density`` [m2/Hz] or [m2 s/rad]; of a directional one ``direction`` [deg] or [rad] too,
   and ``density`` [m2/Hz/deg], [m2/Hz/rad] or [m2 s/rad2]; the option ``direction`` = "clockwise" (compass) or "anticlockwise".
-* netCDF: ``efth`` over freq, Hz, and dir, deg, as wavespectra writes it (m2/Hz/deg, compass), one time and place.
+* netCDF: ``efth`` over freq, Hz, and dir, deg, as wavespectra writes it (m2/Hz/deg, compass); of several times or places the
+  option ``select`` = { time = 3, site = 0 } takes an entry each, counted from 0.
 
 What other formats hold (ERA5, WW3, SWAN, buoys) the package wavespectra brings into that netCDF: its readers give a data set
 with ``to_netcdf``. Directions count from the mean one, which the unit's ``wave_direction`` gives. Significant height and peak
@@ -39,8 +40,8 @@ FREQUENCY = {"hz": TURN, "rad/s": 1.0}
 def read(path: Path, given: Mapping[str, Any], notes: list[str]) -> dict[str, Any]:
     """The fields of a `SeaTable`. Raises `Refused` with the place in the file, and OSError."""
     if path.suffix.lower() in (".nc", ".nc4", ".cdf"):
-        options(given, ())
-        return _table(*_efth(path), notes)
+        options(given, ("select",))
+        return _table(*_efth(path, given.get("select", {})), notes)
     options(given, ("direction",))
     table = {c.name.lower(): c for c in columns.read(path).columns}
     directional = "direction" in table
@@ -71,7 +72,7 @@ def _scaled(column: columns.Column, units: Mapping[str, float]) -> Array:
     return units[column.unit.lower()] * column.values
 
 
-def _efth(path: Path) -> tuple[Array, Array, Array]:
+def _efth(path: Path, select: object) -> tuple[Array, Array, Array]:
     """Frequencies, rad/s, directions, rad anticlockwise, and densities of `wavespectra`'s netCDF."""
     from netCDF4 import Dataset
 
@@ -82,18 +83,30 @@ def _efth(path: Path) -> tuple[Array, Array, Array]:
                     f"has no variable {name}: expected a spectrum as wavespectra writes it, efth over freq and dir"
                 )
         variable = data.variables["efth"]
-        reading.limited(variable.size, MAX_DENSITIES, "densities of efth: select one time and place")
-        dims = variable.dimensions
-        values: Array = np.ma.filled(np.ma.asarray(variable[:], float), np.nan)
+        entry = _entry(dict(zip(variable.dimensions, variable.shape)), select)
+        dims = tuple(n for n, at in zip(variable.dimensions, entry) if isinstance(at, slice))
+        reading.limited(math.prod(data.dimensions[n].size for n in dims), MAX_DENSITIES, "densities of efth")
+        values: Array = np.ma.filled(np.ma.asarray(variable[entry], float), np.nan)
         omega = TURN * np.asarray(data.variables["freq"][:], float)
         angle = -np.radians(np.asarray(data.variables["dir"][:], float)) if "dir" in data.variables else np.zeros(1)
-    if more := [n for n, size in zip(dims, values.shape) if n not in ("freq", "dir") and size != 1]:
-        raise Refused(f"efth depends on {', '.join(more)} too: select one of it")
-    both = values.transpose([*(k for k, n in enumerate(dims) if n not in ("freq", "dir")),
-                             *(dims.index(n) for n in ("dir", "freq") if n in dims)])  # fmt: skip
+    both = values.transpose([dims.index(n) for n in ("dir", "freq") if n in dims])
     scale = PER_BOTH["m2/hz/deg"] if "dir" in dims else PER_FREQUENCY["m2/hz"]
     density = scale * both.reshape(len(angle) if "dir" in dims else 1, len(omega))
     return omega, angle if "dir" in dims else np.zeros(1), density
+
+
+def _entry(sizes: Mapping[str, int], select: object) -> tuple[int | slice, ...]:
+    """Where one spectrum lies. Raises `Refused`."""
+    others = {n: size for n, size in sizes.items() if n not in ("freq", "dir")}
+    if not isinstance(select, Mapping) or set(select) - set(others):
+        raise Refused(f"select = {select!r}: expected numbers of entries, from 0, of {', '.join(others) or 'nothing'}")
+    for name, size in others.items():
+        at = select.get(name, 0 if size == 1 else None)
+        if at is None:
+            raise Refused(f"efth has {size} entries of {name}: choose one: select = {{ {name} = 0 }}")
+        if type(at) is not int or not 0 <= at < size:
+            raise Refused(f"select: {name} = {at!r}: expected a whole number from 0 to {size - 1}")
+    return tuple(int(select.get(n, 0)) if n in others else slice(None) for n in sizes)
 
 
 def _table(omega: Array, angle: Array, density: Array, notes: list[str]) -> dict[str, Any]:

@@ -7,6 +7,7 @@
     [ship]        polar = "P2-S2-R2 (1957)", or speed, or tables over waves, wind or both (`ships`)
     [sea]         kind = "calm", "uniform", "storm" or "file" (`seas`), as [wind] and [current]
     [[forbidden]] centre and radius, or corners
+    [[limits]]    of heave, tension and so on along the route (`limits`)
 
 Angles of waves are those they come FROM: on a flat map counterclockwise from +x (``wave_angle``), in a file of data
 clockwise from north. Every fault is a `SceneError` that names file and key.
@@ -23,11 +24,14 @@ from typing import Any
 
 from towage.models.route.areas import Area, Disc, Polygon
 from towage.models.route.hulls import TablePolar, WindWavePolar
+from towage.models.route.limits import Limit
 from towage.models.route.maps import FlatMap, RouteMap, StereographicMap
 from towage.models.route.medium import Medium
+from towage.models.route.polar import Polar
 from towage.models.route.problem import Problem
 from towage.routing import ships
 from towage.routing.forecast.read import Frame
+from towage.routing.limits import read_limit
 from towage.routing.seas import Surroundings, departure
 from towage.routing.tables import RouteTables
 from towage.scene.tables import find_file, read_toml
@@ -81,7 +85,8 @@ class _Reader(RouteTables):
         leaves = departure(self, route.get("departure"))
         around = Surroundings(self, self.given, Frame(plane, start, end, leaves), areas, notes)
         polar = ships.polar(self, ship, notes)
-        medium = Medium(plane, around.sea(sea), polar, around.current(current), around.wind(wind))
+        limits = tuple(limit for limit in self.limits(data, polar, notes))
+        medium = Medium(plane, around.sea(sea), polar, around.current(current), around.wind(wind), limits)
         if isinstance(polar, (TablePolar, WindWavePolar)) and polar.needs_wind and medium.wind is None:
             self.fail("this table is missing: the ship has a wind_table", "wind")
         problem = Problem(medium, start, end, tuple(areas))
@@ -107,6 +112,14 @@ class _Reader(RouteTables):
         plane = StereographicMap(radius, south=ends[0][0] + ends[1][0] < 0.0)
         points = [tuple(float(v) for v in plane.to_plane(*end)) for end in ends]
         return plane, (points[0][0], points[0][1]), (points[1][0], points[1][1])
+
+    def limits(self, data: dict[str, Any], polar: Polar, notes: list[str]) -> Iterable[Limit]:
+        """What the sea may do to the ship."""
+        given = data.get("limits", [])
+        if not isinstance(given, list):
+            self.fail("expected an array of tables, [[limits]]", "limits")
+        for k, table in enumerate(given):
+            yield read_limit(self, self.known(table, f"limits[{k}]", "limits"), f"limits[{k}]", self.given.parent, polar, notes)
 
     def areas(self, data: dict[str, Any], plane: RouteMap) -> Iterable[Area]:
         """Forbidden areas on the plane; corners as ``start`` is given."""

@@ -1,4 +1,4 @@
-"""What a computed route is written as: a table of the voyage, CSV, GPX, the source's table, parameters of the unit `voyage`.
+"""What a computed route is written as: a table of the voyage, CSV (which the unit `playback` plays), GPX, the source's table.
 
 A `Voyage` holds what the ship meets at instants of her route, SI and radians: heading clockwise from north (on a flat map
 y is north), wave direction between course and travel of the waves, pi for head seas, both unwrapped.
@@ -17,16 +17,13 @@ from numpy.typing import NDArray
 
 from towage.errors import TowageError
 from towage.files import atomic_write
-from towage.models.route import voyage
 from towage.models.route.maps import StereographicMap
 from towage.models.route.problem import Problem, Route
-from towage.models.sea.waves import peak_frequency
 from towage.routing.file import RouteFile
 
 Array = NDArray[np.float64]
 MILE, KNOT, HOUR = 1852.0, 1852.0 / 3600.0, 3600.0
-CALM = 0.1
-"""Height below which a period is that of this height, m."""
+ROWS = 101
 
 
 @dataclass(frozen=True)
@@ -60,8 +57,6 @@ def voyage_table(problem: Problem, route: Route, count: int) -> Voyage:
     angle = np.unwrap(np.arctan2(dy, dx))
     scale = medium.map.scale(x, y)[0]
     sea = medium.field.at(x, y, time)
-    period = medium.field.period(x, y, time)
-    own = np.array([2.0 * math.pi / peak_frequency(max(h, CALM)) for h in sea.height])
     if isinstance(medium.map, StereographicMap):
         heading = np.unwrap(medium.map.bearing(x, y, angle))
     else:
@@ -70,11 +65,11 @@ def voyage_table(problem: Problem, route: Route, count: int) -> Voyage:
     encounter = math.pi - np.unwrap(np.arctan2(sea.ky, sea.kx) - angle)
     return Voyage(
         time, x, y, heading, np.hypot(dx, dy) / scale if len(route.time) > 1 else 0.0 * x, sea.height,
-        np.where(period > 0.0, period, own), encounter,
+        medium.period(sea, x, y, time), encounter,
     )  # fmt: skip
 
 
-def write_csv(path: Path, problem: Problem, route: Route, count: int = 101) -> None:
+def write_csv(path: Path, problem: Problem, route: Route, count: int = ROWS) -> None:
     """The voyage as CSV: hours, nautical miles or degrees, knots, metres, seconds, degrees."""
     v = voyage_table(problem, route, count)
     plane = problem.medium.map
@@ -92,7 +87,7 @@ def write_csv(path: Path, problem: Problem, route: Route, count: int = 101) -> N
     _write_table(path, head, columns)
 
 
-def write_gpx(path: Path, given: RouteFile, route: Route, count: int = 101) -> None:
+def write_gpx(path: Path, given: RouteFile, route: Route, count: int = ROWS) -> None:
     """The track as GPX 1.1 (Topografix), with times where the route file has a departure. Raises `TowageError`."""
     from xml.etree import ElementTree
 
@@ -135,26 +130,3 @@ def _write_table(path: Path, head: str, columns: Sequence[Array]) -> None:
     lines = [head] + [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
     with atomic_write(path) as stream:
         stream.write(("\n".join(lines) + "\n").encode())
-
-
-def unit_parameters(problem: Problem, route: Route) -> dict[str, float]:
-    """Parameters of the unit `voyage` for a route, SI."""
-    v = voyage_table(problem, route, voyage.POINTS)
-    horizon = problem.medium.field.horizon
-    parameters = {"duration": route.duration, "horizon": horizon if math.isfinite(horizon) else 0.0}
-    for column in voyage.COLUMNS:
-        parameters |= {f"{column}_{k}": float(f"{value:.7g}") for k, value in enumerate(getattr(v, column))}
-    return parameters
-
-
-def parameters_text(values: dict[str, float], prefix: str = "") -> str:
-    """Parameters as lines of TOML, a column a paragraph; with ``prefix`` "voyage." for the ``set`` of a case."""
-    lines, last = [], ""
-    for name, value in values.items():
-        column = name.rpartition("_")[0] if name[-1].isdigit() else ""
-        if column != last:
-            lines.append("")
-        last = column
-        key = f'"{prefix}{name}"' if prefix else name
-        lines.append(f"{key} = {value!r}")
-    return "\n".join(lines) + "\n"

@@ -10,11 +10,12 @@ from typing import Any, Literal
 
 from towage.errors import SceneError, TowageError
 from towage.models.route.plan import Plan, plan
-from towage.models.route.problem import RouteError
+from towage.models.route.problem import Route, RouteError
 from towage.routing.chart import draw
 from towage.routing.file import RouteFile, load
-from towage.routing.output import HOUR, MILE, unit_parameters, write_csv, write_gpx, write_source_table
+from towage.routing.output import HOUR, MILE, ROWS, write_csv, write_gpx, write_source_table
 
+Which = Literal["best", "straight"]
 CELLS, RADIUS = 20, 3
 """Meshes of the graph from start to end, and the reach of one of its legs, by default."""
 _REFUSED = ("input", "outside", "forbidden")
@@ -53,7 +54,12 @@ class PlannedRoute:
             "saving": self.plan.saving, "distance_nmi": self.distance / MILE, "certified": best.certified,
             "j_exact_m_per_rad": _finite(best.j_exact), "j_seed_m_per_rad": _finite(best.j_seed),
             "beyond_forecast": self.plan.beyond_horizon, "beyond_polar": self.plan.beyond_polar,
-            "tacking": self.plan.tacking, "notes": self.notes,
+            "tacking": self.plan.tacking,
+            "limits": [
+                {"name": one.limit.name, "limit": one.limit.text, "margin": _finite(1.0 - one.use), "time_h": one.time / HOUR,
+                 "x_nmi": one.x / MILE, "y_nmi": one.y / MILE, "beyond_table": one.beyond} for one in self.plan.limits
+            ],
+            "notes": self.notes,
         }  # fmt: skip
 
     def text(self) -> str:
@@ -83,16 +89,20 @@ class PlannedRoute:
                          f"(source's j = {best.j_seed / MILE:.6g})")  # fmt: skip
         elif not best.certified:
             lines.append("  certificate: none")
+        for one in self.plan.limits:
+            lines.append(f"  limit {one.limit.name!r}, {one.limit.text}: margin {1.0 - one.use:.3f}, at most {one.use:.1%} of it"
+                         f", at {one.place}")  # fmt: skip
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
-    def save_csv(self, path: Path) -> None:
-        """The track of the best route: hours, nautical miles or degrees, knots, metres, seconds. Raises `TowageError`."""
-        write_csv(path, self.given.problem, self.plan.best)
+    def save_csv(self, path: Path, of: Which = "best", rows: int = ROWS) -> None:
+        """The track of a route: hours, nautical miles or degrees, knots, metres, seconds; the unit `playback` plays it. Raises
+        `TowageError`."""
+        write_csv(path, self.given.problem, self._route(of), rows)
 
-    def save_gpx(self, path: Path) -> None:
-        """The track of the best route as GPX 1.1, for a plotter; times where the file has a departure. Raises `TowageError`
-        on a flat map, which has no latitudes."""
-        write_gpx(path, self.given, self.plan.best)
+    def save_gpx(self, path: Path, of: Which = "best", rows: int = ROWS) -> None:
+        """The track of a route as GPX 1.1, for a plotter; times where the file has a departure. Raises `TowageError` on a flat
+        map, which has no latitudes."""
+        write_gpx(path, self.given, self._route(of), rows)
 
     def save_source_table(self, path: Path) -> None:
         """What the source prints along the track of an extremal: LAMBDA, S, J, Q. Raises `TowageError` for another kind."""
@@ -103,12 +113,11 @@ class PlannedRoute:
         .pdf. Raises `TowageError`."""
         draw(path, self.given.title, self.given.problem, self.plan, hours)
 
-    def unit_parameters(self, which: Literal["best", "straight"] = "best") -> dict[str, float]:
-        """Parameters of the unit `voyage` for a route, SI. Raises `TowageError` where there is no such route."""
-        chosen = self.plan.best if which == "best" else self.plan.straight
+    def _route(self, of: Which) -> Route:
+        chosen = self.plan.best if of == "best" else self.plan.straight
         if chosen is None:
-            raise TowageError(f"{self.given.path}: there is no {which} route: {'; '.join(self.notes)}")
-        return unit_parameters(self.given.problem, chosen)
+            raise TowageError(f"{self.given.path}: there is no {of} route: {'; '.join(self.notes)}")
+        return chosen
 
     def _hours(self) -> dict[str, float | None]:
         named = {"straight": self.plan.straight, "geodesic": self.plan.geodesic}

@@ -12,7 +12,7 @@ from towage.scene.tables import Tables
 
 _DATA = ("file", "variables", "units", "select", "direction_is")
 KEYS = {
-    "": ("title", "description", "route", "map", "ship", "sea", "wind", "current", "forbidden"),
+    "": ("title", "description", "route", "map", "ship", "sea", "wind", "current", "forbidden", "limits"),
     "route": ("start", "end", "method", "fraction", "departure"),
     "map": ("kind", "radius"),
     "ship": ("polar", "speed", "table", "wind_table", "wave_factors"),
@@ -24,6 +24,9 @@ KEYS = {
     "wind": ("kind", "speed", "wind_angle", *_DATA),
     "current": ("kind", "velocity", "gradient", *_DATA),
     "forbidden": ("name", "centre", "radius", "corners"),
+    "limits": ("name", "limit", "table", "value", "heights", "direction", "responses", "hull", "motion", "point", "statistic",
+               "hours", "speed", "peakedness"),
+    "limits.hull": ("length", "breadth", "draught", "block_coefficient"),
 }
 """What may stand in which table."""
 

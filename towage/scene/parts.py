@@ -85,7 +85,8 @@ class Empty(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``[[cases]]``: values that replace those of the scene, under "unit.parameter", "coupling.step", "stop_time"."""
+    """``[[cases]]``: values that replace those of the scene, under "unit.parameter", "unit.files.kind.file",
+    "coupling.step", "stop_time"."""
 
     name: str
     set: dict[str, Any] = {}

@@ -101,7 +101,7 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
     def setting(self, values: Mapping[str, Any], key: str) -> Scene:
         """The scene with other values and without cases; setting ``coupling.step`` drops the tolerance, and the reverse.
 
-        ``values`` are as in a case: "unit.parameter" or a key of the scene, a number or a text with a unit. Raises
+        ``values`` are as in a case: "unit.parameter", "unit.files.kind" or a key of the scene, a number or a text. Raises
         `SceneError` that names ``key``."""
         data = self.to_dict() | {"cases": ()}
         for target, other in _EXCLUSIVE.items():
@@ -121,6 +121,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
         """The table in ``data`` that ``target`` names, and the key in it."""
         head, _, rest = target.partition(".")
         unit = head in self.units
+        if unit and rest.startswith("files."):
+            return self._file_place(data["units"][head]["files"], target, rest.removeprefix("files."), key)
         *tables, last = ("units", head, self.units[head].table(rest), rest) if unit else target.split(".")
         place: Any = data if unit or head not in ("units", "connections", "cases") else None
         for name in tables:
@@ -128,9 +130,20 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
         if not isinstance(place, dict) or not last or (not unit and last not in place):
             known = [*(f"{name}.{last}" for name in self.units), *_EXCLUSIVE, "coupling.scheme", "stop_time"]
             hint = suggest(target, known)
-            expected = "expected 'unit.parameter', 'unit.input' or a key of the scene"
+            expected = "expected 'unit.parameter', 'unit.input', 'unit.files.kind' or a key of the scene"
             raise self.error(f"{target!r} cannot be set: {expected}{hint}", key)
         return place, last
+
+    def _file_place(self, files: dict[str, Any], target: str, rest: str, key: str) -> tuple[dict[str, Any], str]:
+        """As `_place`, for a file of a unit, "unit.files.kind", or one entry of it, "unit.files.kind.file"."""
+        kind, _, entry = rest.partition(".")
+        if not entry:
+            return files, kind
+        if kind not in files:
+            raise self.error(f"{target!r} cannot be set: the unit has no file {kind!r}{suggest(kind, files)}", key)
+        if not isinstance(files[kind], dict):
+            files[kind] = {"file": files[kind]}
+        return files[kind], entry
 
     def with_values(self, values: Mapping[str, Any], option: str = "set") -> Scene:
         """The scene with ``values``, which prevail over those of its cases; its source says so. Raises `SceneError` that

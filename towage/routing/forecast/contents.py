@@ -61,7 +61,8 @@ Contents = dict[str, Variable]
 @contextmanager
 def opened(path: Path, notes: list[str]) -> Iterator[list[Contents]]:
     """Variables of a file, numeric ones alone: one group for netCDF, one for every kind of message for GRIB. What the
-    reader warns of goes into ``notes``. Raises `SceneError` for a file that cannot be read."""
+    reader warns of goes into ``notes``. Nobody holds the file afterwards, so that the next forecast can be written in its place.
+    Raises `SceneError` for a file that cannot be read."""
     try:
         reading.checked_file(path)
         with open(path, "rb") as stream:
@@ -74,13 +75,18 @@ def opened(path: Path, notes: list[str]) -> Iterator[list[Contents]]:
         raise SceneError("is neither a netCDF nor a GRIB file: expected it to begin with 'CDF', '\\x89HDF' or 'GRIB', "
                          f"found {start[:4]!r}", file=path)  # fmt: skip
     found = _asked(path, notes, {})
-    yield [
+    groups: list[Contents] = [
         {
             each["name"]: Variable(path, each["name"], tuple(each["dims"]), tuple(each["shape"]), each["attributes"],
                                    partial(_values, path, notes, k, each["name"], tuple(each["shape"])))
             for each in group
         } for k, group in enumerate(found["groups"])
     ]  # fmt: skip
+    try:
+        yield groups
+    finally:
+        if os.getpid() in _serving:  # else the process has ended, and with it what it held
+            _asked(path, notes, {"done": True})
 
 
 def _values(path: Path, notes: list[str], group: int, name: str, shape: tuple[int, ...]) -> Array:

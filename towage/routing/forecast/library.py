@@ -2,7 +2,8 @@
 
 Asked by `towage.routing.forecast.contents`, a line of JSON a question: ``{"file"}`` is answered by ``{"groups"}``, its numeric
 variables; ``{"file", "group", "name", "into"}`` leaves the values of a variable in the file ``into``, as floats with nan where
-there are none. Every answer has ``notes``, what the library warned of, and ``refused`` where it could not. netCDF4 applies
+there are none; ``{"file", "done"}`` closes it. Every answer has ``notes``, what the library warned of, and ``refused`` where it
+could not. netCDF4 applies
 ``_FillValue``, ``missing_value``, ``valid_range``, ``scale_factor`` and ``add_offset``.
 """
 
@@ -131,13 +132,14 @@ def answers(questions: Iterator[dict[str, Any]], say: Callable[[dict[str, Any]],
             warnings.simplefilter("always")
             try:
                 path, done = Path(asked["file"]), dict[str, Any]()
-                if file is None or file.path != path or "into" not in asked:
-                    if file:
-                        file.close.close()
-                    file = File(path)
-                if "into" in asked:
+                if file and (file.path != path or "into" not in asked):
+                    file.close.close()
+                    file = None
+                if "done" not in asked:
+                    file = file or File(path)
+                if file and "into" in asked:
                     file.values(asked["group"], asked["name"]).tofile(asked["into"])
-                else:
+                elif file:
                     done["groups"] = file.described()
             except (reading.Refused, OSError, MemoryError) as error:
                 done = {"refused": str(error) or type(error).__name__}

@@ -1,8 +1,6 @@
-"""The units `voyage` and `ship_in_sea`: their models through `Instance`."""
+"""The unit `ship_in_sea`: its model through `Instance`."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 import pytest
@@ -11,12 +9,9 @@ from towage.fmus.declare.unit import load
 from towage.fmus.python.build import staged_modules
 from towage.fmus.python.instance import Instance
 from towage.fmus.python.values import CallError
-from towage.models.route import voyage
 
-NAMES = ("voyage", "ship_in_sea")
 SEA = {"wave_height": 4.0, "speed": 6.0, "length": 120.0, "ramp_time": 0.0, "components": 30.0, "update_interval": 1.0}
-TABLE = {f"{c}_{k}": 3.0 + math.sin(0.7 * k + i) for i, c in enumerate(voyage.COLUMNS) for k in range(voyage.POINTS)}
-VOYAGE: dict[str, float] = {"duration": 30.0, **TABLE}
+
 
 def instance(name: str, **values: float) -> tuple[Instance, dict[str, int]]:
     unit = load(name)
@@ -28,35 +23,11 @@ def instance(name: str, **values: float) -> tuple[Instance, dict[str, int]]:
     return made, unit.index
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["ship_in_sea", "playback"])
 def test_the_fmus_carry_no_numpy(name: str) -> None:
     """Only `ops.arrays`, which no FMU calls, imports it, when called."""
     for text in staged_modules(name).values():
         assert not any(line.startswith((b"import numpy", b"from numpy", b"import scipy")) for line in text.splitlines())
-
-
-def test_voyage_goes_through_its_table() -> None:
-    made, index = instance("voyage", **VOYAGE)
-    columns = [index[c] for c in voyage.COLUMNS]
-    step = 30.0 / (voyage.POINTS - 1)
-    for k in range(voyage.POINTS):
-        wanted = [TABLE[f"{c}_{k}"] for c in voyage.COLUMNS]
-        assert made.get_values(columns) == pytest.approx(wanted, abs=1e-12)  # rounding of the time of the point
-        made.do_step(k * step, step)
-    assert made.get_values(columns) == pytest.approx([TABLE[f"{c}_{voyage.POINTS - 1}"] for c in voyage.COLUMNS])
-    assert made.get_values([index["progress"], index["x_rate"]]) == [1.0, 0.0]
-
-
-def test_voyage_rates_are_exact_and_quadratics_are_met() -> None:
-    values = {f"x_{k}": 2.0 + 0.5 * k + 0.25 * k * k for k in range(voyage.POINTS)}
-    made, index = instance("voyage", duration=240.0, pace=2.0, horizon=100.0, **values)
-    for k in range(23):
-        made.do_step(k * 5.0, 5.0)
-        u = 2.0 * made.time / 10.0
-        x, rate, margin = made.get_values([index["x"], index["x_rate"], index["margin_forecast"]])
-        assert x == pytest.approx(2.0 + 0.5 * u + 0.25 * u * u, rel=1e-12)
-        assert rate == pytest.approx((0.5 + 0.5 * u) * 0.2, rel=1e-12)
-        assert margin == pytest.approx(1.0 - 2.0 * made.time / 100.0, abs=1e-12)
 
 
 def test_the_sea_at_the_start_is_that_of_the_first_inputs() -> None:
