@@ -257,6 +257,13 @@ def values(name: str, index: Any, value: float) -> Callable[[Dataset], None]:
     return to
 
 
+def by_turns(data: Dataset) -> None:
+    """Every place has a value in one of three records, its neighbours in others."""
+    heights = data["swh"][:]
+    heights[np.indices(heights.shape).sum(axis=0) % 3 != 0] = math.nan
+    data["swh"][:] = heights
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
@@ -280,6 +287,7 @@ def values(name: str, index: Any, value: float) -> Callable[[Dataset], None]:
         (values("time", 3, 24.0), "time: the time 24 stands there twice"),
         (values("time", 3, math.nan), "time: 1 of 11 times are missing"),
         (values("swh", slice(None), math.nan), "every value of height is missing"),
+        (by_turns, "no place has values in more than half of the records"),
         (change("time", units="hours since 2025-01-01"), "departure .* lies outside the forecast"),
     ],
 )  # fmt: skip

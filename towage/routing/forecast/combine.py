@@ -155,6 +155,8 @@ def _filled(
         _tell_gaps(seconds, file, notes)
     share = missing.mean(axis=0)
     gone = share >= 0.5
+    if gone.all():
+        raise SceneError("no place has values in more than half of the records: nothing is left to sail in", file=file)
     some = missing & ~gone
     if some.any():
         longest = _longest(some, seconds) / 3600.0
@@ -204,12 +206,17 @@ def _in_time(values: Array, some: Mask, seconds: Array, angle: bool) -> Array:
     return filled
 
 
+REACH = 4
+"""Meshes beyond known values that interpolation looks at, and one more."""
+
+
 def spread(values: Array, gone: Mask) -> Array:
-    """(nt, ny, nx) with means of their neighbours at the places ``gone``, for the interpolation next to them."""
+    """(nt, ny, nx) with means of their neighbours at the places ``gone`` that are at most `REACH` meshes from known ones, for the
+    interpolation next to them; further ones, which nothing looks at, get the mean of the record."""
     filled = np.where(gone, math.nan, values)
-    while np.isnan(filled).any():
+    ny, nx = gone.shape
+    for _ in range(REACH):
         padded = np.pad(filled, ((0, 0), (1, 1), (1, 1)), constant_values=math.nan)
-        ny, nx = gone.shape
         total, count = np.zeros_like(filled), np.zeros_like(filled)
         for j in range(3):
             for i in range(3):
@@ -217,4 +224,6 @@ def spread(values: Array, gone: Mask) -> Array:
                 known = np.isfinite(near)
                 total, count = total + np.where(known, near, 0.0), count + known
         filled = np.where(np.isnan(filled) & (count > 0), total / np.maximum(count, 1), filled)
-    return filled
+    known = np.isfinite(filled)
+    mean = np.where(known, filled, 0.0).sum(axis=(1, 2)) / np.maximum(known.sum(axis=(1, 2)), 1)
+    return np.where(known, filled, mean[:, None, None])
