@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...numeric.arrays import Array
-from ...numeric.ops import Ops
-from ...protocol.model import Model, Requirement, remembered
+from ...numeric.ops import FLOATS, Ops, Value
+from ...protocol.model import AnyModel, Model, Requirement, remembered
 from ..case import CableError
 from ..parameters import integral, refusal_by
 from ..wire.chain import Chain, Drive
@@ -141,6 +141,44 @@ def advance(
     return _packed(state, paid + integral(h, winch), motion(h).position)
 
 
+class Seen(NamedTuple):
+    """What outputs are made of: force needed at the top, N; tensions (least, largest, at the body), N; place of the body, m,
+    its velocity, m/s, and the displacement of the towpoint, m, of d components; wire paid out, m; error of the shape."""
+
+    needed: Sequence[Value]
+    tensions: tuple[Value, Value, Value]
+    body: Sequence[Value]
+    velocity: Sequence[Value]
+    top: Sequence[Value]
+    paid: Value
+    error: Value
+
+
+def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs:
+    """The outputs."""
+    steady, rest, d = prepared.needed[-1].tolist(), prepared.nodes[0].tolist(), len(seen.top)
+    least, most, at_body = seen.tensions
+
+    def whole(vector: Sequence[Value]) -> tuple[Value, Value, Value]:
+        """Of three components; a plane has none to port."""
+        return vector[0], vector[1] if d == 3 else 0.0, vector[-1]
+
+    needed, body, speed = whole(seen.needed), whole(seen.body), whole(seen.velocity)
+    excess, away, moved = (
+        whole([a - b for a, b in zip(one, other)])
+        for one, other in ((seen.needed, steady), (seen.body, seen.top), (seen.body, rest))
+    )
+    level2 = needed[0] * needed[0] + needed[1] * needed[1]
+    room = max(p.breaking_load - prepared.tensions[1], LEAST_ROOM)
+    return Outputs(
+        *excess, ops.sqrt(level2 + needed[2] * needed[2]), at_body, least, most, ops.atan2(needed[2], ops.sqrt(level2)),
+        -body[2], -away[0], away[1], *moved, *speed, prepared.chain.wire.length + seen.paid,
+        ops.minimum(1.0, least / prepared.tensions[0]),
+        (p.breaking_load - most) / room if p.breaking_load > 0.0 else 1.0,
+        1.0 - seen.error / p.tolerance, *speed,
+    )  # fmt: skip
+
+
 def outputs(
     t: float, x: Sequence[float], m: Modes, u: Inputs, du: Inputs, p: Parameters, ops: Ops
 ) -> Outputs:
@@ -155,23 +193,11 @@ def outputs(
     v[-1], a[-1] = drive.velocity, drive.acceleration
     needed = chain.needed(r, v, a, drive)[-1]
     sizes = np.linalg.norm(chain.pulls(r, v, a, drive), axis=2)
-    least, most = float(sizes.min()), float(sizes.max())
-    away, moved, excess = r[0] - top, r[0] - prepared.nodes[0], needed - prepared.needed[-1]
-
-    def side(vector: Array) -> float:
-        """Component to port; a plane has none."""
-        return float(vector[1]) if d == 3 else 0.0
-
-    error = chain.shape_error(r, drive.paid)
-    speed = (float(v[0, 0]), side(v[0]), float(v[0, -1]))
-    return Outputs(
-        float(excess[0]), side(excess), float(excess[-1]), float(np.linalg.norm(needed)), float(sizes[0, 0]), least, most,
-        math.atan2(float(needed[-1]), math.hypot(float(needed[0]), side(needed))), -float(r[0, -1]), -float(away[0]),
-        side(away), float(moved[0]), side(moved), float(moved[-1]), *speed, chain.wire.length + paid,
-        min(1.0, least / prepared.tensions[0]),
-        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], LEAST_ROOM) if p.breaking_load > 0.0 else 1.0,
-        1.0 - error / p.tolerance, *speed,
+    seen = Seen(
+        needed.tolist(), (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), r[0].tolist(), v[0].tolist(),
+        top.tolist(), paid, chain.shape_error(r, drive.paid),
     )  # fmt: skip
+    return observed(seen, prepared, p, FLOATS)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
@@ -185,11 +211,18 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     )  # fmt: skip
 
 
+def part(p: Parameters) -> AnyModel:
+    """The wire of these parameters with rates of its states, for compositions."""
+    from .wire_part import WirePart  # which is made of this module
+
+    return WirePart(WIRE, p).model()
+
+
 WIRE = Model(
     "wire",
     "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space",
     Parameters, None, Modes, Inputs, Outputs, Calculated,
     initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
-    refusal=refusal_by(prepare), numbers=wire_ports.numbers,
+    refusal=refusal_by(prepare), numbers=wire_ports.numbers, part=part,
     floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )  # fmt: skip
