@@ -72,7 +72,7 @@ def test_a_part_sees_what_the_unit_sees() -> None:
     rng = np.random.default_rng(1)
     x = np.array(part.initial(p, FLOATS)[0])
     x = x + 0.02 * rng.standard_normal(len(x))
-    u, du = rng.standard_normal((2, 7)).tolist()
+    u, du = rng.standard_normal((2, 10)).tolist()
     du[3] = 0.0
     size = d * (len(nodes) - 1)
     r, v = (np.vstack([x[k * size : (k + 1) * size].reshape(-1, d), end]) for k, end in ((0, x[-d:]), (1, u[:3])))

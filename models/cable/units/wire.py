@@ -10,13 +10,17 @@ States: positions, velocities, accelerations of the nodes; the next internal ste
 accelerations before the last step; wire paid out; displacement of the towpoint. They are all there is: a state that is set
 back goes on to the last bit as before.
 
-Assumptions: those of ``cable/wire/point.py``; (6) no surface and no bottom; (7) the body is a point.
+With ``body_port`` the body is a unit of its own: its velocity comes in, the wire's force on it goes out.
+
+Assumptions: those of ``cable/wire/point.py``; (6) no surface and no bottom; (7) the body is a point; (8) drag coefficients do
+not change with the Reynolds number. What (1), (6) and (8) leave out, ``margin_bending``, ``_surface`` and ``_drag`` bound.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +35,21 @@ from ..wire.grading import MOST_ELEMENTS, graded_mesh
 from ..wire.rest import Frame, equilibrium, march
 from ..wire.stepper import State, Stepper
 from . import wire_ports
-from .wire_ports import LEAST_ROOM, Calculated, Inputs, Modes, Outputs, Parameters, flow_of, wire_of
+from .wire_ports import (
+    BENDING_LIMIT,
+    LEAST_ROOM,
+    MOST_BENDING,
+    REYNOLDS_LIMIT,
+    VISCOSITY,
+    Calculated,
+    Inputs,
+    Modes,
+    Outputs,
+    Parameters,
+    flow_of,
+    rod,
+    wire_of,
+)
 
 
 def requirements(p: Parameters, ops: Ops) -> Sequence[Requirement]:
@@ -69,6 +87,9 @@ def prepare(p: Parameters) -> Prepared:
         )
     chain = Chain(wire, graded.mesh, flow, d)
     nodes = equilibrium(chain, frame, shape.position(graded.mesh.places))
+    if p.body_port > 0.5:
+        # from here on the lower end moves as the body's unit says
+        chain = Chain(replace(wire, body=None), graded.mesh, flow, d)
     drive, still = Drive(zero, zero, zero), np.zeros_like(nodes)
     sizes = np.linalg.norm(chain.pulls(nodes, still, still, drive), axis=2)
     return Prepared(
@@ -105,12 +126,11 @@ def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
     return _packed(State(nodes, zero, zero), 0.0, zero[0]), Modes()
 
 
-def _vectors(u: Inputs | Sequence[Any], d: int) -> tuple[list[Any], Any, list[Any]]:
-    """(Velocity of the towpoint, winch speed, force on the body): inputs, or their cubics, by component."""
-    surge, sway, heave, payout, force_surge, force_sway, force_heave = u
-    if d == 3:
-        return [surge, sway, heave], payout, [force_surge, force_sway, force_heave]
-    return [surge, heave], payout, [force_surge, force_heave]
+def vectors(u: Inputs | Sequence[Any], d: int) -> tuple[list[Any], Any, list[Any], list[Any]]:
+    """(Velocity of the towpoint, winch speed, force on the body, velocity of the lower end): inputs, or their cubics, by
+    component."""
+    own = (0, 1, 2) if d == 3 else (0, 2)
+    return [u[k] for k in own], u[3], [u[4 + k] for k in own], [u[7 + k] for k in own]
 
 
 def _value(c: Sequence[float], s: float) -> float:
@@ -128,30 +148,44 @@ def advance(
     prepared = prepare(p)
     d = prepared.chain.dimensions
     state, paid, top = _unpacked(x, prepared.chain.mesh.nodes, d)
-    velocity, winch, force = _vectors(cubics, d)
+    velocity, winch, force, lower = vectors(cubics, d)
+    start = state.position[0] if prepared.chain.wire.body is None else None
 
     def motion(s: float) -> Drive:
+        held = None if start is None else (
+            start + np.array([integral(s, c) for c in lower]), np.array([_value(c, s) for c in lower]),
+            np.array([_rate(c, s) for c in lower]),
+        )  # fmt: skip
         return Drive(
             top + np.array([integral(s, c) for c in velocity]), np.array([_value(c, s) for c in velocity]),
             np.array([_rate(c, s) for c in velocity]), (paid + integral(s, winch), _value(winch, s), _rate(winch, s)),
-            np.array([_value(c, s) for c in force]),
+            np.array([_value(c, s) for c in force]), held,
         )  # fmt: skip
 
     state = prepared.stepper.advance(0.0, h, state, motion)
     return _packed(state, paid + integral(h, winch), motion(h).position)
 
 
+def thickness(p: Parameters) -> list[tuple[float, float]]:
+    """(EI of a solid rod, N m2; diameter, m) of the sections from the lower end."""
+    return [(rod(part), part.diameter) for part in wire_of(p).sections]
+
+
 class Seen(NamedTuple):
-    """What outputs are made of: force needed at the top, N; tensions (least, largest, at the body), N; place of the body, m,
-    its velocity, m/s, and the displacement of the towpoint, m, of d components; wire paid out, m; error of the shape."""
+    """What outputs are made of: force needed at the top and at the lower end, N; tensions (least, largest, at the body), N; place of the body, m,
+    its velocity, m/s, and the displacement of the towpoint, m, of d components; wire paid out, m; error of the shape; largest
+    error of the tension by bending; largest diameter times speed of the water across the wire, m2/s."""
 
     needed: Sequence[Value]
+    lower: Sequence[Value]
     tensions: tuple[Value, Value, Value]
     body: Sequence[Value]
     velocity: Sequence[Value]
     top: Sequence[Value]
     paid: Value
     error: Value
+    bending: Value
+    flow: Value
 
 
 def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs:
@@ -164,18 +198,24 @@ def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs
         return vector[0], vector[1] if d == 3 else 0.0, vector[-1]
 
     needed, body, speed = whole(seen.needed), whole(seen.body), whole(seen.velocity)
-    excess, away, moved = (
+    held = prepared.needed[0].tolist()
+    excess, lower, away, moved = (
         whole([a - b for a, b in zip(one, other)])
-        for one, other in ((seen.needed, steady), (seen.body, seen.top), (seen.body, rest))
+        for one, other in ((seen.needed, steady), (held, seen.lower), (seen.body, seen.top), (seen.body, rest))
     )
+    if prepared.chain.wire.body is not None:
+        lower = (0.0, 0.0, 0.0)
+    below = p.surface_height - rest[-1]
     level2 = needed[0] * needed[0] + needed[1] * needed[1]
     room = max(p.breaking_load - prepared.tensions[1], LEAST_ROOM)
     return Outputs(
         *excess, ops.sqrt(level2 + needed[2] * needed[2]), at_body, least, most, ops.atan2(needed[2], ops.sqrt(level2)),
-        -body[2], -away[0], away[1], *moved, *speed, prepared.chain.wire.length + seen.paid,
+        -body[2], -away[0], away[1], *moved, *speed, *lower, prepared.chain.wire.length + seen.paid,
         ops.minimum(1.0, least / prepared.tensions[0]),
         (p.breaking_load - most) / room if p.breaking_load > 0.0 else 1.0,
-        1.0 - seen.error / p.tolerance, *speed,
+        1.0 - seen.error / p.tolerance, 1.0 - ops.minimum(seen.bending, MOST_BENDING) / BENDING_LIMIT,
+        ops.minimum(1.0, (p.surface_height - body[2]) / below) if below > 0.0 else 1.0,
+        1.0 - seen.flow / (VISCOSITY * REYNOLDS_LIMIT), *speed,
     )  # fmt: skip
 
 
@@ -186,16 +226,21 @@ def outputs(
     prepared = prepare(p)
     chain, d = prepared.chain, prepared.chain.dimensions
     state, paid, top = _unpacked(x, chain.mesh.nodes, d)
-    velocity, winch, force = _vectors(u, d)
-    change, winch_change, _ = _vectors(du, d)
+    velocity, winch, force, lower = vectors(u, d)
+    change, winch_change, _, lower_change = vectors(du, d)
     drive = Drive(top, np.array(velocity), np.array(change), (paid, winch, winch_change), np.array(force))
     r, v, a = state.position, state.velocity.copy(), state.acceleration.copy()
     v[-1], a[-1] = drive.velocity, drive.acceleration
-    needed = chain.needed(r, v, a, drive)[-1]
+    if chain.wire.body is None:
+        v[0], a[0] = lower, lower_change
+    needed = chain.needed(r, v, a, drive)
     sizes = np.linalg.norm(chain.pulls(r, v, a, drive), axis=2)
+    curvature2, across = chain.bends(r, v, drive)
+    stiff, diameter = (np.array(each)[chain.mesh.section][:, None] for each in zip(*thickness(p)))
     seen = Seen(
-        needed.tolist(), (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), r[0].tolist(), v[0].tolist(),
-        top.tolist(), paid, chain.shape_error(r, drive.paid),
+        needed[-1].tolist(), needed[0].tolist(), (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), r[0].tolist(),
+        v[0].tolist(), top.tolist(), paid, chain.shape_error(r, drive.paid),
+        float((stiff * curvature2 / (sizes + LEAST_ROOM)).max()), float((diameter * across).max()),
     )  # fmt: skip
     return observed(seen, prepared, p, FLOATS)
 

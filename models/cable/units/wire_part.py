@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 from ...numeric.ops import FLOATS, Ops, Value
 from ...protocol.model import AnyModel, Model
-from ..wire.point import Vector
+from ..wire.point import Vector, bent
 from ..wire.written import Drive, Look, Vectors, Written
-from .wire import Modes, Seen, observed, prepare
-from .wire_ports import Parameters
+from .wire import Modes, Seen, observed, prepare, thickness, vectors
+from .wire_ports import LEAST_ROOM, Parameters
 
 AXES = ("x", "y", "z")
 HELD = ("payout_speed",)
@@ -43,9 +43,14 @@ class WirePart:
     def __init__(self, model: AnyModel, p: Parameters) -> None:
         self._unit, self.p, self.prepared = model, p, prepare(p)
         chain = self.prepared.chain
-        self._d, self._free = chain.dimensions, chain.mesh.nodes - 1
+        # nodes with a place, and the first of them with a velocity: a driven lower end has none
+        self._d, self._nodes, self._first = chain.dimensions, chain.mesh.nodes - 1, chain.free.start
+        self._thickness = [thickness(p)[k] for k in chain.mesh.section]
         axes = AXES if self._d == 3 else (AXES[0], AXES[2])
-        nodes = [f"node{k + 1}_{kind}{axis}" for kind in ("", "v") for k in range(self._free) for axis in axes]
+        nodes = [
+            f"node{k + 1}_{kind}{axis}"
+            for kind, first in (("", 0), ("v", self._first)) for k in range(first, self._nodes) for axis in axes
+        ]  # fmt: skip
         self.State = namedtuple("State", [*nodes, "paid", *(f"top_{axis}" for axis in axes)])
 
     def model(self) -> AnyModel:
@@ -60,7 +65,7 @@ class WirePart:
     def initial(self, p: Any, ops: Ops) -> tuple[Any, Any]:
         """The steady tow."""
         nodes = self.prepared.nodes[:-1].ravel().tolist()
-        return self.State._make([*nodes, *([0.0] * (len(nodes) + 1 + self._d))]), Modes()
+        return self.State._make([*nodes, *([0.0] * (len(self.State._fields) - len(nodes)))]), Modes()
 
     def calculated(self, p: Any, ops: Ops) -> Any:
         """What follows from the parameters."""
@@ -70,7 +75,7 @@ class WirePart:
     def derivatives(self, t: Value, x: Any, m: Any, u: Any, p: Any, ops: Ops) -> Any:
         """x'."""
         now = self._now(x, u, (0.0,) * len(u), ops)
-        moved = [c for vector in (*now.v[:-1], *now.a[:-1]) for c in vector]
+        moved = [c for vector in (*now.v[:-1], *now.a[self._first : -1]) for c in vector]
         return self.State._make([*moved, now.drive.paid[1], *now.drive.velocity])
 
     def outputs(self, t: Value, x: Any, m: Any, u: Any, du: Any, p: Any, ops: Ops) -> Any:
@@ -81,27 +86,31 @@ class WirePart:
         least, most = sizes[0], sizes[0]
         for size in sizes[1:]:
             least, most = ops.minimum(least, size), ops.maximum(most, size)
+        bending, flow = 0.0, 0.0
+        each = ((point, thick) for points, thick in zip(look.points, self._thickness) for point in points)
+        for (point, (rod, diameter)), size in zip(each, sizes):
+            curvature2, across = bent(point.g, point.bend, point.through, ops)
+            bending = ops.maximum(bending, rod * curvature2 / (size + LEAST_ROOM))
+            flow = ops.maximum(flow, diameter * across)
         seen = Seen(
-            look.needed[-1], (least, most, sizes[0]), now.r[0], now.v[0], now.r[-1], paid,
-            now.written.shape_error(look, paid),
+            look.needed[-1], look.needed[0], (least, most, sizes[0]), now.r[0], now.v[0], now.r[-1], paid,
+            now.written.shape_error(look, paid), bending, flow,
         )  # fmt: skip
         return observed(seen, self.prepared, self.p, ops)
 
     def _now(self, x: Any, u: Any, du: Any, ops: Ops) -> Now:
-        count, d = self._free * self._d, self._d
-        r, v = (self._vectors(x[k * count : (k + 1) * count]) for k in range(2))
-        paid, *top = x[2 * count :]
-
-        def own(three: Sequence[Value]) -> Vector:
-            """Components that the wire has."""
-            return tuple(three) if d == 3 else (three[0], three[2])
-
-        drive = Drive(own(u[:3]), own(du[:3]), (paid, u[3], du[3]), own(u[4:]))
+        d = self._d
+        places, speeds = self._nodes * d, (self._nodes - self._first) * d
+        velocity, winch, force, lower = vectors(u, d)
+        change, winch_change, _, lower_change = vectors(du, d)
+        paid, *top = x[places + speeds :]
+        drive = Drive(tuple(velocity), tuple(change), (paid, winch, winch_change), tuple(force))
         written = Written(self.prepared.chain, ops)
-        r, v = [*r, tuple(top)], [*v, drive.velocity]
+        r = [*self._vectors(x[:places]), tuple(top)]
+        v = [*([tuple(lower)] if self._first else []), *self._vectors(x[places : places + speeds]), drive.velocity]
         look = written.look(r, v, [(0.0,) * d] * len(r), drive)
-        return Now(written, r, v, written.accelerations(r, look, drive.acceleration), drive, look)
+        return Now(written, r, v, written.accelerations(look, tuple(change), tuple(lower_change)), drive, look)
 
     def _vectors(self, x: Sequence[Value]) -> list[Vector]:
         d = self._d
-        return [tuple(x[k * d : (k + 1) * d]) for k in range(self._free)]
+        return [tuple(x[k : k + d]) for k in range(0, len(x), d)]

@@ -10,16 +10,22 @@ import numpy as np
 from ...numeric.ops import FLOATS, Ops, Value
 from ...protocol.model import Requirement
 from ...protocol.physical import liquid, weight_below_gravity
-from ...protocol.variables import Quantity, Rate, calculated_parameter, input_variable, margin, output, parameter
+from ...protocol.variables import Quantity, Rate, calculated_parameter, error_margin, input_variable, margin, output, parameter
 from ..loading import Loading, eames
 from ..wire.parts import Flow, Mass, Section, Wire, cross_flow_terms
 from .ports import SteadyTensionBody, SteadyTensionTop
 
 VELOCITIES = ("velocity_surge", "velocity_sway", "velocity_heave", "payout_speed")
 FORCES = ("body_force_surge", "body_force_sway", "body_force_heave")
-ALL = (*VELOCITIES, *FORCES)
+LOWER = ("lower_velocity_surge", "lower_velocity_sway", "lower_velocity_heave")
+ALL = (*VELOCITIES, *FORCES, *LOWER)
+AT_BODY = (*FORCES, *LOWER)
 LEAST_ROOM = 1e-9
 """Steady room to the breaking load, N, where there is none."""
+BENDING_LIMIT, MOST_BENDING = 0.05, 10.0
+"""Error of the tension by bending at which `margin_bending` is 0, and the largest that is told (a slack wire has any)."""
+REYNOLDS_LIMIT, VISCOSITY = 2e5, 1.2e-6
+"""Reynolds number at which the drag of a smooth cylinder begins to fall; kinematic viscosity of sea water at 13 deg C, m2/s."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,16 @@ class Parameters:
     body_added_mass: Annotated[Value, parameter("kg", 300.0, "Its added mass", min=0.0)]
     body_weight: Annotated[Value, parameter("N", 5000.0, "Its weight in water")]
     body_drag_area: Annotated[Value, parameter("m2", 0.3, "Its drag area", min=0.0)]
+    body_port: Annotated[
+        Value,
+        parameter(
+            "1", 0.0, "1: the body is a unit of its own at the wire's lower end, whose velocity comes in; body_mass to "
+            "body_drag_area give the steady tow alone", min=0.0, max=1.0,
+        ),
+    ]  # fmt: skip
+    surface_height: Annotated[
+        Value, parameter("m", 0.0, "Height of the water's surface above the mean towpoint; for margin_surface alone")
+    ]
     current_surge: Annotated[Value, parameter("m/s", 0.0, "Current at the towpoint, along the towing direction")]
     current_sway: Annotated[Value, parameter("m/s", 0.0, "Current at the towpoint, to port; needs in_space")]
     current_depth: Annotated[
@@ -82,8 +98,15 @@ def _force(direction: str) -> Quantity:
     return input_variable("N", f"Force on the body, {direction}", unset="no force but weight, drag and the wire's")
 
 
+def _lower(direction: str) -> Quantity:
+    return input_variable(
+        "m/s", f"Velocity of the wire's lower end in the towing frame, {direction}; with body_port = 1",
+        unset="the body on board, or with body_port = 1 a lower end that does not move so",
+    )  # fmt: skip
+
+
 class Inputs(NamedTuple):
-    """Velocity of the towpoint in the towing frame, winch speed, forces on the body."""
+    """Velocity of the towpoint in the towing frame, winch speed, forces on the body, velocity of a body of its own."""
 
     velocity_surge: Annotated[
         Value,
@@ -99,6 +122,20 @@ class Inputs(NamedTuple):
     body_force_surge: Annotated[Value, _force("forward")]
     body_force_sway: Annotated[Value, _force("to port")]
     body_force_heave: Annotated[Value, _force("up")]
+    lower_velocity_surge: Annotated[Value, _lower("forward")]
+    lower_velocity_sway: Annotated[Value, _lower("to port")]
+    lower_velocity_heave: Annotated[Value, _lower("up")]
+
+
+def _lower_force(direction: str) -> Quantity:
+    return output(
+        "N", f"Excess of the wire's force on the body over its steady value, {direction}; 0 with the body on board",
+        also=(*LOWER, *VELOCITIES),
+    )  # fmt: skip
+
+
+def _body_velocity(direction: str) -> Quantity:
+    return output("m/s", f"Velocity of the body in the towing frame, {direction}", also=LOWER)
 
 
 class Outputs(NamedTuple):
@@ -114,7 +151,7 @@ class Outputs(NamedTuple):
         Value, output("N", "Excess of the wire's pull over its steady value, down on the towpoint", also=VELOCITIES)
     ]
     tension_top: Annotated[Value, output("N", "Tension at the towpoint", also=VELOCITIES)]
-    tension_body: Annotated[Value, output("N", "Tension at the body", also=FORCES)]
+    tension_body: Annotated[Value, output("N", "Tension at the body", also=AT_BODY)]
     tension_least: Annotated[Value, output("N", "Least tension in the wire", also=ALL)]
     tension_most: Annotated[Value, output("N", "Largest tension in the wire", also=ALL)]
     angle_top: Annotated[
@@ -126,15 +163,36 @@ class Outputs(NamedTuple):
     body_surge: Annotated[Value, output("m", "Displacement of the body from the steady tow, forward")]
     body_sway: Annotated[Value, output("m", "Displacement of the body from the steady tow, to port")]
     body_heave: Annotated[Value, output("m", "Displacement of the body from the steady tow, up")]
-    body_velocity_surge: Annotated[Value, output("m/s", "Velocity of the body in the towing frame, forward")]
-    body_velocity_sway: Annotated[Value, output("m/s", "Velocity of the body, to port")]
-    body_velocity_heave: Annotated[Value, output("m/s", "Velocity of the body, up")]
+    body_velocity_surge: Annotated[Value, _body_velocity("forward")]
+    body_velocity_sway: Annotated[Value, _body_velocity("to port")]
+    body_velocity_heave: Annotated[Value, _body_velocity("up")]
+    lower_force_surge: Annotated[Value, _lower_force("forward")]
+    lower_force_sway: Annotated[Value, _lower_force("to port")]
+    lower_force_heave: Annotated[Value, _lower_force("up")]
     length: Annotated[Value, output("m", "Unstretched length of wire and tail")]
     margin_slack: Annotated[Value, margin("least tension over its steady value, at most 1", also=ALL)]
     margin_breaking: Annotated[
         Value, margin("(breaking load - largest tension) over its steady value; 1 where no breaking load is given", also=ALL)
     ]
     margin_resolution: Annotated[Value, margin("1 - error of the present shape by the elements / tolerance")]
+    margin_bending: Annotated[
+        Value,
+        error_margin(
+            "of the tension, by bending that the model leaves out: largest EI curvature^2/T, EI = EA d^2/16 of a solid rod, "
+            "which no wire exceeds", 100.0 * BENDING_LIMIT, "smaller motions, or more tension at the end that hangs loose",
+            also=ALL,
+        ),
+    ]  # fmt: skip
+    margin_surface: Annotated[
+        Value,
+        margin("depth of the body below the surface over its steady value, at most 1: the model has no surface; 1 where the "
+               "steady body is above surface_height"),
+    ]  # fmt: skip
+    margin_drag: Annotated[
+        Value,
+        margin(f"1 - largest Reynolds number of the flow across the wire / {REYNOLDS_LIMIT:g}, where the drag coefficient of "
+               "a smooth cylinder begins to fall", also=ALL),
+    ]  # fmt: skip
     body_surge_rate: Rate
     body_sway_rate: Rate
     body_heave_rate: Rate
@@ -153,7 +211,7 @@ class Calculated(NamedTuple):
 
 def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
     """What the parameters must fulfil: weights below those in air, a known loading."""
-    form = ops.where(p.loading_form * (p.loading_form - 1.0) == 0.0, 1.0, 0.0)
+    form, port = (ops.where(v * (v - 1.0) == 0.0, 1.0, 0.0) for v in (p.loading_form, p.body_port))
     found = [
         weight_below_gravity(p.wire_weight, p.wire_mass, p.water_density, "wire_weight", "wire_mass", ops),
         weight_below_gravity(p.tail_weight, p.tail_mass, p.water_density, "tail_weight", "tail_mass", ops),
@@ -163,6 +221,7 @@ def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
     ]
     return [
         (form, "loading_form: expected 0 (Eames) or 1 (cross-flow)"),
+        (port, "body_port: expected 0 (the body on board) or 1 (a unit of its own)"),
         (
             ops.where(p.in_space > 0.5, 1.0, ops.where(p.current_sway == 0.0, 1.0, 0.0)),
             "current_sway pushes the wire out of the vertical plane: set in_space = 1",
@@ -228,9 +287,14 @@ def flow_of(p: Parameters) -> Flow:
     return Flow(np.array([-p.current_depth, 0.0]), table) if changes else Flow(np.zeros(1), table[1:])
 
 
+def rod(section: Section) -> Value:
+    """EI of a solid rod of the section's EA and diameter, N m2: more than that of any wire."""
+    return section.axial_stiffness * section.diameter * section.diameter / 16.0
+
+
 class Numbers(NamedTuple):
     """What the steps in C take (``fmus/native/runtime/chain/wire.h``): ``levels`` of the flow at the heights ``level``, its
-    velocities one after the other; masses of three components, weight, drag of `point.Fixture`."""
+    velocities one after the other; ``rod``: EI of a solid rod, N m2; masses of three components, weight, drag of `point.Fixture`."""
 
     dimensions: Value
     elements: Value
@@ -241,6 +305,12 @@ class Numbers(NamedTuple):
     breaking_load: Value
     tail_length: Value
     wire_length: Value
+    body_port: Value
+    surface_height: Value
+    tail_rod: Value
+    wire_rod: Value
+    tail_diameter: Value
+    wire_diameter: Value
     levels: Value
     tail: tuple[Value, ...]
     wire: tuple[Value, ...]
@@ -259,7 +329,8 @@ def numbers(p: Parameters, ops: Ops) -> Numbers:
     )
     return Numbers(
         ops.where(p.in_space > 0.5, 3.0, 2.0), p.elements, p.degree, p.tolerance, p.velocity_tolerance, p.largest_step,
-        p.breaking_load, p.tail_length, p.wire_length, 1.0 + changes, tail.material(p.water_density),
+        p.breaking_load, p.tail_length, p.wire_length, p.body_port, p.surface_height, rod(tail), rod(wire), p.tail_diameter,
+        p.wire_diameter, 1.0 + changes, tail.material(p.water_density),
         wire.material(p.water_density), body, clump, (-p.current_depth, 0.0),
         (*(ops.where(changes > 0.5, b, a) for b, a in zip(below, above)), *above),
     )  # fmt: skip

@@ -29,7 +29,7 @@ from ..case import CableError
 from .elements import Rule, legendre, rule
 from .mesh import Mesh
 from .parts import Flow, Wire
-from .point import Fixture, Material, Vector, fixture_load, load, pull
+from .point import Fixture, Material, Vector, bent, fixture_load, load, pull
 
 STEP = 1e-150
 """Complex step of derivatives, exact to rounding."""
@@ -205,6 +205,12 @@ class Chain:
             start[node // self.mesh.degree :] += weight
         total: Array = start[:, None, :] + within
         return total
+
+    def bends(self, r: Array, u: Array, drive: Drive) -> tuple[AnyArray, AnyArray]:
+        """(Curvature squared, 1/m2; speed of the water across the wire, m/s) at points, (E, p+1)."""
+        sizes = self.lengths(drive.paid)
+        g, _, v, _ = self._material(r, u, np.zeros_like(u), sizes, any(drive.paid[1:]))
+        return bent(*(_components(x) for x in (g, self.slope(g, sizes.half), v)), self.ops)
 
     def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
         """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes

@@ -116,6 +116,15 @@ def load(g: Vector, v: Vector, a: Vector, k: Material, ops: Ops) -> Vector:
     return (*q_vector[:-1], q_vector[-1] + k.weight)
 
 
+def bent(g: Vector, bend: Vector, v: Vector, ops: Ops) -> tuple[Value, Value]:
+    """(Curvature squared, 1/m2; speed of the water across the wire, m/s), ``bend`` = d2r/ds2: what the model leaves out or
+    takes as given depends on them."""
+    square, along = dot(g, g) + NO_LENGTH2, dot(g, bend)
+    curvature2 = (square * dot(bend, bend) - along * along) / (square * square * square)
+    v_along = dot(v, g)
+    return curvature2, ops.sqrt(ops.maximum(dot(v, v) - v_along * v_along / square, 0.0) + SMALL_SPEED2)
+
+
 def fixture_load(v: Vector, a: Vector, k: Fixture, ops: Ops) -> Vector:
     """The same of a body, clump or buoy, N."""
     factor = k.drag * ops.sqrt(dot(v, v) + SMALL_SPEED2)

@@ -29,9 +29,10 @@ class Drive(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point of an element: dr/ds, velocity through the water, n, q and its share w l/2 of the element."""
+    """A point of an element: dr/ds, d2r/ds2, velocity through the water, n, q and its share w l/2 of the element."""
 
     g: Vector
+    bend: Vector
     through: Vector
     n: Vector
     q: Vector
@@ -79,7 +80,7 @@ def solved(matrix: list[list[Value]], right: Vector) -> Vector:
 
 
 class Written:
-    """``chain`` for values that ``ops`` knows. Its first node is free, its last is driven."""
+    """``chain`` for values that ``ops`` knows. Its last node is driven, its first one where there is no body."""
 
     def __init__(self, chain: Chain, ops: Ops) -> None:
         self.chain, self.ops = chain, ops
@@ -144,21 +145,21 @@ class Written:
         points = []
         for i, row in enumerate(self._slopes):
             g, v, a = gs[i], _plus(u[own][i], self._water(r[own][i][-1]), -1.0), b[own][i]
-            rate = _combined(row, u[own], scale)
+            rate, bend = _combined(row, u[own], scale), _combined(row, gs, scale)
             if self._grows[e]:
                 share = self._shares[e][i]
                 sigma = paid[1] * share
                 rate = _plus(rate, g, -1.0 * stretch)
-                a = _plus(_plus(a, rate, -2.0 * sigma), _combined(row, gs, scale), sigma * sigma)
+                a = _plus(_plus(a, rate, -2.0 * sigma), bend, sigma * sigma)
                 a, v = _plus(a, g, -share * paid[2]), _plus(v, g, -1.0 * sigma)
             n = pull(g, rate, material, self.ops)[0]
-            points.append(Point(g, v, n, load(g, v, a, material, self.ops), self._weights[i] * length))
+            points.append(Point(g, bend, v, n, load(g, v, a, material, self.ops), self._weights[i] * length))
         return points, length
 
-    def accelerations(self, r: Vectors, look: Look, top: Vector) -> list[Vector]:
-        """Of all nodes, from a look without any; ``top`` is that of the last."""
+    def accelerations(self, look: Look, top: Vector, lower: Vector) -> list[Vector]:
+        """Of all nodes, from a look without any; ``top`` is that of the last, ``lower`` that of the first if it is driven."""
         d = self.chain.dimensions
-        masses: list[list[list[Value]]] = [[[0.0] * d for _ in range(d)] for _ in r]
+        masses: list[list[list[Value]]] = [[[0.0] * d for _ in range(d)] for _ in look.needed]
         for node, point, k in self._places(look):
             own = masses[node]
             inverse = k.added_mass / dot(point.g, point.g)
@@ -169,23 +170,24 @@ class Written:
         for node, fixture in self._fixtures:
             for c in range(d):
                 masses[node][c][c] = masses[node][c][c] + fixture.masses[c]
-        found = [solved(matrix, tuple(-1.0 * x for x in f)) for matrix, f in zip(masses[:-1], look.needed)]
-        return [*found, top]
+        free = self.chain.free
+        found = [solved(matrix, tuple(-1.0 * x for x in f)) for matrix, f in zip(masses[free], look.needed[free])]
+        return [*([lower] if free.start else []), *found, top]
 
     def accelerated(self, look: Look, b: Vectors) -> Look:
-        """A look without accelerations, with those of the nodes; of what is needed only that of the last node is right."""
-        top, points = look.needed[-1], [list[Point]() for _ in look.points]
+        """A look without accelerations, with those of the nodes; needed of the ends alone."""
+        last, needed, points = len(look.needed) - 1, [*look.needed], [list[Point]() for _ in look.points]
         for (node, point, k), e in zip(self._places(look), (e for e, each in enumerate(look.points) for _ in each)):
             along = k.added_mass * dot(b[node], point.g) / dot(point.g, point.g)
             more = tuple((k.mass + k.added_mass) * c - along * g for c, g in zip(b[node], point.g))
             points[e].append(point._replace(q=_plus(point.q, more)))
-            if node == len(look.needed) - 1:
-                top = _plus(top, more, point.share)
+            if node in (0, last):
+                needed[node] = _plus(needed[node], more, point.share)
         fixtures = [
             (node, _plus(resists, tuple(m * c for m, c in zip(fixture.masses, b[node]))))
             for (node, resists), (_, fixture) in zip(look.fixtures, self._fixtures)
         ]
-        return Look([*look.needed[:-1], top], fixtures, points, look.half)
+        return Look(needed, fixtures, points, look.half)
 
     def _places(self, look: Look) -> Iterator[tuple[int, Point, Material]]:
         """(Node, point, material) of all points."""
@@ -196,6 +198,8 @@ class Written:
     def sizes(self, look: Look) -> list[Value]:
         """Tensions at the points, N, from the lower end, by the balance dn/ds = q."""
         at, found = (0.0,) * self.chain.dimensions, []
+        if self.chain.wire.body is None:
+            at = tuple(-1.0 * x for x in look.needed[0])
         fixed = dict(look.fixtures)
         for e, (points, half) in enumerate(zip(look.points, look.half)):
             if (resists := fixed.get(e * self.chain.mesh.degree)) is not None:
