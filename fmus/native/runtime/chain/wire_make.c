@@ -41,10 +41,12 @@ static void describe(Instance *it, Wire *wire)
     memcpy(wire->level, numbers->level, sizeof wire->level);
     chain->level = wire->level;
     chain->flow = wire->flow;
-    const Function *const own = it->unit->point + (d == 2 ? 0 : 3);
+    const Function *const own = it->unit->point + (d == 2 ? 0 : 5);
     chain->loads = own[0].call;
     chain->derivatives = own[1].call;
     chain->change = own[2].call;
+    chain->bent = own[3].call;
+    chain->bent_change = own[4].call;
     chain->work = it->w;
 }
 
@@ -188,6 +190,16 @@ Wire *wire_make(Instance *it)
     return wire;
 }
 
+/* From here on the lower end moves as the body's unit says. */
+static void release_body(Wire *wire)
+{
+    Chain *chain = &wire->stepper.chain;
+    chain->held = 1;
+    chain->fixtures--;
+    chain->fixture_node++;
+    chain->fixture += chain->dimensions + 2;
+}
+
 Outcome wire_settle(Instance *it)
 {
     Wire *wire = it->wire;
@@ -198,6 +210,7 @@ Outcome wire_settle(Instance *it)
     it->x = wire->x;
     it->kept_x = wire->kept;
     it->states = 7 * wire->size + WIRE_TOP + wire->stepper.chain.dimensions;
+    if (wire->numbers.body_port > 0.5) release_body(wire);
     wire_rest(wire, it->values + it->unit->first.calculated);
     return DONE;
 }

@@ -1,0 +1,65 @@
+/* What bounds the model of a wire: the end of `outputs` of models/cable/units/wire.py. */
+#include <math.h>
+
+#include "chain_look.h"
+#include "wire.h"
+
+/* Change of the error by bending `rod` curvature^2/T. */
+static double bending_change(double rod, const double *bent, const double *change, const double *pull,
+                             const double *pull_change, double size, int d)
+{
+    double along = 0.0;
+    for (int c = 0; c < d; c++) along += pull[c] * pull_change[c];
+    const double tension = size + WIRE_LEAST_ROOM, tension_change = size > 0.0 ? along / size : 0.0;
+    return rod * (change[0] - bent[0] * tension_change / tension) / tension;
+}
+
+void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const double *pulls, const Motion *delta,
+                const Drive *drive_change, const double *pulls_change, WireModel *model)
+{
+    const Chain *chain = &wire->stepper.chain;
+    const WireNumbers *numbers = &wire->numbers;
+    const int d = chain->dimensions, points = chain->degree + 1, tail = numbers->tail_length > 0.0 ? chain->growing : 0;
+    int bends = -1, flows = -1;
+    double bent[2], change[2];
+    *model = (WireModel){0.0, 0.0, 0.0, 0.0};
+    for (int k = 0; k < chain->elements * points; k++) {
+        const bool below = k / points < tail;
+        double square = 0.0;
+        for (int c = 0; c < d; c++) square += pulls[k * d + c] * pulls[k * d + c];
+        chain_bent(chain, k, at, drive->paid, bent);
+        const double error =
+            (below ? numbers->tail_rod : numbers->wire_rod) * bent[0] / (sqrt(square) + WIRE_LEAST_ROOM);
+        const double flow = (below ? numbers->tail_diameter : numbers->wire_diameter) * bent[1];
+        if (error > model->bending) {
+            model->bending = error;
+            bends = k;
+        }
+        if (flow > model->flow) {
+            model->flow = flow;
+            flows = k;
+        }
+    }
+    if (!delta) return;
+    if (bends >= 0) {
+        double square = 0.0;
+        for (int c = 0; c < d; c++) square += pulls[bends * d + c] * pulls[bends * d + c];
+        chain_bent(chain, bends, at, drive->paid, bent);
+        chain_bent_change(chain, bends, at, drive->paid, delta, drive_change->paid, change);
+        model->bending_change = bending_change(bends / points < tail ? numbers->tail_rod : numbers->wire_rod, bent,
+                                               change, pulls + bends * d, pulls_change + bends * d, sqrt(square), d);
+    }
+    if (flows >= 0) {
+        chain_bent_change(chain, flows, at, drive->paid, delta, drive_change->paid, change);
+        model->flow_change = (flows / points < tail ? numbers->tail_diameter : numbers->wire_diameter) * change[1];
+    }
+}
+
+double wire_surface(const Wire *wire, double z, double *slope)
+{
+    const double surface = wire->numbers.surface_height,
+                 below = surface - wire->steady[wire->stepper.chain.dimensions - 1];
+    const double margin = below > 0.0 ? (surface - z) / below : 1.0;
+    if (slope) *slope = below > 0.0 && margin < 1.0 ? -1.0 / below : 0.0;
+    return fmin(1.0, margin);
+}
