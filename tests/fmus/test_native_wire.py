@@ -17,6 +17,7 @@ from towage.fmus.declare.unit import load
 from towage.fmus.native.trace_chain import flat
 from towage.fmus.python.instance import Instance
 from towage.models.cable.units import wire_ports
+from towage.models.cable.units.wire import prepare
 from towage.models.numeric.ops import FLOATS
 
 UNIT = load("wire")
@@ -28,7 +29,7 @@ HANGING = {
     "elements": 12.0, "degree": 1.0, "loading_form": 0.0, "wire_tangential_drag": 0.02, "wire_damping": 1e4, "tow_speed": 0.0,
     "velocity_tolerance": 0.01,
 }  # fmt: skip
-PORT = {**ARRAY, "body_port": 1.0, "elements": 4.0, "surface_height": 2.0}
+PORT = {**ARRAY, "body_port": 1.0, "elements": 4.0, "surface_height": 2.0, "wire_bending_stiffness": 50.0}
 SINES = {
     "velocity_surge": (0.5, 0.6), "velocity_sway": (0.6, 0.5), "velocity_heave": (0.8, 1.0), "payout_speed": (0.3, 0.4),
     "body_force_heave": (50.0, 0.7), "lower_velocity_surge": (0.3, 0.6), "lower_velocity_heave": (0.4, 0.9),
@@ -159,6 +160,59 @@ def test_states_belong_to_their_parameters(make: Make) -> None:
     changed[200] ^= 1
     with pytest.raises(FMICallException):
         fine.deSerializeFMUstate(bytes(changed))
+
+
+LOOSE = {
+    "in_space": 1.0, "tow_speed": 0.0, "wire_length": 60.0, "tail_length": 40.0, "tail_weight": 0.5, "clump_mass": 60.0,
+    "clump_weight": -200.0, "body_mass": 300.0, "body_added_mass": 0.0, "body_weight": 1500.0, "elements": 4.0, "degree": 3.0,
+    "velocity_tolerance": 0.05, "added_mass_coefficient": 0.0,
+} | {f"{part}_{drag}_drag": 0.0 for part in ("wire", "tail") for drag in ("normal", "tangential")} | {
+    "body_drag_area": 0.0, "clump_drag_area": 0.0,
+}  # fmt: skip
+"""A buoy between two sections; nothing in the water takes energy."""
+
+
+def energy_of(unit: Any, prepared: Any) -> float:
+    """Kinetic, elastic and potential, J, by the nodes in a stored state."""
+    chain, outputs = prepared.chain, 8 * UNIT.layout.observed.start + 8
+    size = prepared.nodes.size
+    data = bytes(unit.serializeFMUstate(unit.getFMUState()))
+    x = np.frombuffer(data[len(data) - outputs - 8 * (7 * size + 7 + chain.dimensions) : len(data) - outputs])
+    r, v = x[: 2 * size].reshape(2, *prepared.nodes.shape)
+    assert -r[0, -1] == pytest.approx(seen(unit, ["depth"])[0], rel=1e-12)
+    half, k = chain.lengths().half, chain.material
+    share = chain.rule.weights * half
+    stretch = np.linalg.norm(chain.slope(chain.gather(r), half), axis=2) - 1.0
+    points = 0.5 * k.mass * (chain.gather(v) ** 2).sum(2) + k.weight * chain.gather(r)[..., -1]
+    total = (share * (points + 0.5 * k.stiffness * np.maximum(stretch, 0.0) ** 2)).sum()
+    nodes, fixture = chain.fixtures
+    for node, mass, weight in zip(nodes, fixture.masses[0], fixture.weight):
+        total += 0.5 * mass * (v[node] ** 2).sum() + weight * r[node, -1]
+    return float(total)
+
+
+@pytest.mark.parametrize("steps", [2_000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_energy_never_grows_undriven(steps: int, make: Make) -> None:
+    """Shaken until it goes slack and snaps, then left alone: to a thousandth of what was put in, which an order of the steps'
+    error leaves."""
+    unit = make(LOOSE)
+    prepared = prepare(wire_ports.Parameters(**{**{v.name: v.start for v in UNIT.parameters}, **LOOSE}))
+    rest, t, least = energy_of(unit, prepared), 0.0, 1.0
+    for k in range(80):
+        put(unit, {"velocity_heave": 4.0 if k % 20 < 10 else -4.0, "velocity_sway": 1.0 if k % 40 < 20 else -1.0})
+        unit.doStep(t, 0.1)
+        t += 0.1
+        least = min(least, *seen(unit, ["margin_slack"]))
+    put(unit, {"velocity_heave": 0.0, "velocity_sway": 0.0})
+    unit.doStep(t, 0.1)
+    t += 0.1
+    first = largest = energy_of(unit, prepared)
+    for k in range(steps):
+        unit.doStep(t + 0.05 * k, 0.05)
+        if k % (steps // 200) == 0:
+            largest = max(largest, energy_of(unit, prepared))
+    assert least < 0.05 and first > rest + 1e3
+    assert largest < first + 1e-3 * (first - rest)
 
 
 def test_refusals_say_what_helps(make: Make) -> None:

@@ -47,7 +47,6 @@ from .wire_ports import (
     Outputs,
     Parameters,
     flow_of,
-    rod,
     wire_of,
 )
 
@@ -59,7 +58,7 @@ def requirements(p: Parameters, ops: Ops) -> Sequence[Requirement]:
 
 class Prepared(NamedTuple):
     """The chain and its stepper; the steady nodes (n, d), needed forces, N, tensions (least, largest, at the body), N; error
-    of the mesh at rest."""
+    of the mesh at rest; EI, N m2, and diameter, m, of its elements, (E, 1)."""
 
     chain: Chain
     stepper: Stepper
@@ -67,6 +66,7 @@ class Prepared(NamedTuple):
     needed: Array
     tensions: tuple[float, float, float]
     error: float
+    thickness: tuple[Array, Array]
 
 
 @remembered
@@ -91,10 +91,12 @@ def prepare(p: Parameters) -> Prepared:
         # from here on the lower end moves as the body's unit says
         chain = Chain(replace(wire, body=None), graded.mesh, flow, d)
     drive, still = Drive(zero, zero, zero), np.zeros_like(nodes)
-    sizes = np.linalg.norm(chain.pulls(nodes, still, still, drive), axis=2)
+    look = chain.look(nodes, still, still, drive)
+    sizes = np.linalg.norm(look.pulls, axis=2)
+    thick = tuple(np.array(each)[chain.mesh.section][:, None] for each in zip(*thickness(p)))
     return Prepared(
-        chain, Stepper(chain, p.velocity_tolerance, p.largest_step), nodes, chain.needed(nodes, still, still, drive),
-        (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), graded.error,
+        chain, Stepper(chain, p.velocity_tolerance, p.largest_step), nodes, look.needed,
+        (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), graded.error, (thick[0], thick[1]),
     )  # fmt: skip
 
 
@@ -167,8 +169,9 @@ def advance(
 
 
 def thickness(p: Parameters) -> list[tuple[float, float]]:
-    """(EI of a solid rod, N m2; diameter, m) of the sections from the lower end."""
-    return [(rod(part), part.diameter) for part in wire_of(p).sections]
+    """(EI, N m2; diameter, m) of the sections from the lower end."""
+    tail = [(p.tail_bending_stiffness, p.tail_diameter)] if p.tail_length > 0.0 else []
+    return [*tail, (p.wire_bending_stiffness, p.wire_diameter)]
 
 
 class Seen(NamedTuple):
@@ -233,10 +236,10 @@ def outputs(
     v[-1], a[-1] = drive.velocity, drive.acceleration
     if chain.wire.body is None:
         v[0], a[0] = lower, lower_change
-    needed = chain.needed(r, v, a, drive)
-    sizes = np.linalg.norm(chain.pulls(r, v, a, drive), axis=2)
-    curvature2, across = chain.bends(r, v, drive)
-    stiff, diameter = (np.array(each)[chain.mesh.section][:, None] for each in zip(*thickness(p)))
+    look = chain.look(r, v, a, drive)
+    needed, sizes = look.needed, np.linalg.norm(look.pulls, axis=2)
+    curvature2, across = chain.bends(look)
+    stiff, diameter = prepared.thickness
     seen = Seen(
         needed[-1].tolist(), needed[0].tolist(), (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), r[0].tolist(),
         v[0].tolist(), top.tolist(), paid, chain.shape_error(r, drive.paid),

@@ -88,9 +88,9 @@ class WirePart:
             least, most = ops.minimum(least, size), ops.maximum(most, size)
         bending, flow = 0.0, 0.0
         each = ((point, thick) for points, thick in zip(look.points, self._thickness) for point in points)
-        for (point, (rod, diameter)), size in zip(each, sizes):
+        for (point, (stiff, diameter)), size in zip(each, sizes):
             curvature2, across = bent(point.g, point.bend, point.through, ops)
-            bending = ops.maximum(bending, rod * curvature2 / (size + LEAST_ROOM))
+            bending = ops.maximum(bending, stiff * curvature2 / (size + LEAST_ROOM))
             flow = ops.maximum(flow, diameter * across)
         seen = Seen(
             look.needed[-1], look.needed[0], (least, most, sizes[0]), now.r[0], now.v[0], now.r[-1], paid,

@@ -47,6 +47,10 @@ class Parameters:
         Value, parameter("1", 0.01, "Cdt of the cross-flow form (times pi d), or Eames' friction f", min=0.0)
     ]
     wire_damping: Annotated[Value, parameter("N.s", 0.0, "Internal damping, acts in tension", min=0.0)]
+    wire_bending_stiffness: Annotated[
+        Value,
+        parameter("N.m2", 0.0, "Bending stiffness EI, for margin_bending alone (EA d^2/16 at most); 0: not known", min=0.0),
+    ]
     breaking_load: Annotated[Value, parameter("N", 0.0, "Breaking load of the wire; 0: not known", min=0.0)]
     added_mass_coefficient: Annotated[Value, parameter("1", 1.0, "Added mass over displaced mass, wire and tail", min=0.0)]
     tail_length: Annotated[Value, parameter("m", 0.0, "Length of the tail below the wire; 0: none", min=0.0)]
@@ -56,6 +60,7 @@ class Parameters:
     tail_axial_stiffness: Annotated[Value, parameter("N", 2e6, "Axial stiffness EA of the tail", min=1e-9)]
     tail_normal_drag: Annotated[Value, parameter("1", 1.2, "Drag coefficient across the tail", min=0.0)]
     tail_tangential_drag: Annotated[Value, parameter("1", 0.0035, "As of the wire", min=0.0)]
+    tail_bending_stiffness: Annotated[Value, parameter("N.m2", 0.0, "As of the wire", min=0.0)]
     clump_mass: Annotated[Value, parameter("kg", 0.0, "Mass at the joint of wire and tail", min=0.0)]
     clump_added_mass: Annotated[Value, parameter("kg", 0.0, "Its added mass", min=0.0)]
     clump_weight: Annotated[Value, parameter("N", 0.0, "Its weight in water; a buoy: negative")]
@@ -178,8 +183,7 @@ class Outputs(NamedTuple):
     margin_bending: Annotated[
         Value,
         error_margin(
-            "of the tension, by bending that the model leaves out: largest EI curvature^2/T, EI = EA d^2/16 of a solid rod, "
-            "which no wire exceeds", 100.0 * BENDING_LIMIT, "smaller motions, or more tension at the end that hangs loose",
+            "of the tension, by bending that the model leaves out: largest EI curvature^2/T where EI is given", 100.0 * BENDING_LIMIT, "smaller motions, or more tension at the end that hangs loose",
             also=ALL,
         ),
     ]  # fmt: skip
@@ -287,14 +291,9 @@ def flow_of(p: Parameters) -> Flow:
     return Flow(np.array([-p.current_depth, 0.0]), table) if changes else Flow(np.zeros(1), table[1:])
 
 
-def rod(section: Section) -> Value:
-    """EI of a solid rod of the section's EA and diameter, N m2: more than that of any wire."""
-    return section.axial_stiffness * section.diameter * section.diameter / 16.0
-
-
 class Numbers(NamedTuple):
     """What the steps in C take (``fmus/native/runtime/chain/wire.h``): ``levels`` of the flow at the heights ``level``, its
-    velocities one after the other; ``rod``: EI of a solid rod, N m2; masses of three components, weight, drag of `point.Fixture`."""
+    velocities one after the other; ``bending``: EI, N m2; masses of three components, weight, drag of `point.Fixture`."""
 
     dimensions: Value
     elements: Value
@@ -307,8 +306,8 @@ class Numbers(NamedTuple):
     wire_length: Value
     body_port: Value
     surface_height: Value
-    tail_rod: Value
-    wire_rod: Value
+    tail_bending: Value
+    wire_bending: Value
     tail_diameter: Value
     wire_diameter: Value
     levels: Value
@@ -329,8 +328,8 @@ def numbers(p: Parameters, ops: Ops) -> Numbers:
     )
     return Numbers(
         ops.where(p.in_space > 0.5, 3.0, 2.0), p.elements, p.degree, p.tolerance, p.velocity_tolerance, p.largest_step,
-        p.breaking_load, p.tail_length, p.wire_length, p.body_port, p.surface_height, rod(tail), rod(wire), p.tail_diameter,
-        p.wire_diameter, 1.0 + changes, tail.material(p.water_density),
+        p.breaking_load, p.tail_length, p.wire_length, p.body_port, p.surface_height, p.tail_bending_stiffness,
+        p.wire_bending_stiffness, p.tail_diameter, p.wire_diameter, 1.0 + changes, tail.material(p.water_density),
         wire.material(p.water_density), body, clump, (-p.current_depth, 0.0),
         (*(ops.where(changes > 0.5, b, a) for b, a in zip(below, above)), *above),
     )  # fmt: skip

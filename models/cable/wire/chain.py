@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numeric.arrays import AnyArray, Array
-from ...numeric.ops import Ops, arrays
+from ...numeric.ops import FLOATS, Ops, arrays
 from ..case import CableError
 from .elements import Rule, legendre, rule
 from .mesh import Mesh
@@ -68,7 +68,7 @@ def _joined(components: Vector) -> AnyArray:
 
 
 def _spread(material: Sequence[Material], section: AnyArray) -> Material:
-    return Material(*(np.array(column)[section][:, None] for column in zip(*material)))
+    return Material(*(np.array(column)[section][:, None] if any(column) else 0.0 for column in zip(*material)))
 
 
 class Lengths(NamedTuple):
@@ -79,6 +79,16 @@ class Lengths(NamedTuple):
     slide: Array
     slide_slope: Array
     slide_rate: Array
+
+
+class Look(NamedTuple):
+    """What is read off a motion: forces ``needed`` at the nodes, N, (n, d); ``pulls`` at points, N, and d2r/ds2, 1/m,
+    (E, p+1, d); ``parts``: dr/ds, its rate, velocity through the water, acceleration there."""
+
+    needed: Array
+    pulls: Array
+    bend: Array
+    parts: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -110,6 +120,15 @@ class Chain:
         found = [mass.fixture(self.wire.density, self.dimensions) for _, mass in parts]
         masses = np.array([f.masses for f in found]).reshape(-1, self.dimensions)
         return nodes, Fixture(_components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+
+    @cached_property
+    def fixed(self) -> list[tuple[int, Fixture]]:
+        """The same one by one, of numbers."""
+        nodes, all_of = self.fixtures
+        return [
+            (int(node), Fixture(tuple(float(m[k]) for m in all_of.masses), float(all_of.weight[k]), float(all_of.drag[k])))
+            for k, node in enumerate(nodes)
+        ]
 
     @cached_property
     def free(self) -> slice:
@@ -183,34 +202,38 @@ class Chain:
         if len(self.flow.z) == 1:
             everywhere: Array = self.flow.velocity[0]
             return everywhere
+        z = np.asarray(z)
         return self.flow.at(z.ravel())[0].reshape(*z.shape, self.dimensions)
 
-    def _loads(self, r: Array, u: Array, b: Array, drive: Drive, sizes: Lengths) -> tuple[Array, Array]:
+    def _point_loads(self, parts: tuple[Array, ...]) -> tuple[Array, Array]:
         """(n, q) at points."""
-        g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, any(drive.paid[1:])))
+        g, rate, v, a = map(_components, parts)
         n = _joined(pull(g, rate, self.material, self.ops)[0])
         return n, _joined(load(g, v, a, self.material, self.ops))
 
     def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""
+        return self.look(r, u, b, drive).pulls
+
+    def look(self, r: Array, u: Array, b: Array, drive: Drive) -> Look:
+        """All that is read off a motion."""
         sizes = self.lengths(drive.paid)
-        q = self._loads(r, u, b, drive, sizes)[1]
-        within = sizes.half[:, :, None] * (self.rule.integrals @ q)
+        parts = self._material(r, u, b, sizes, any(drive.paid[1:]))
+        n, q = self._point_loads(parts)
         nodes, loads = self.fixture_loads(r, u, b, drive.force)
+        needed = self._gathered(n, q, sizes, nodes, loads)
+        within = sizes.half[:, :, None] * (self.rule.integrals @ q)
         start = np.zeros((len(within), self.dimensions))
         start[1:] = np.cumsum(within[:-1, -1], axis=0)
         if self.wire.body is None:
-            start -= self.needed(r, u, b, drive)[0]
+            start -= needed[0]
         for node, weight in zip(nodes, loads):
             start[node // self.mesh.degree :] += weight
-        total: Array = start[:, None, :] + within
-        return total
+        return Look(needed, start[:, None, :] + within, self.slope(parts[0], sizes.half), parts)
 
-    def bends(self, r: Array, u: Array, drive: Drive) -> tuple[AnyArray, AnyArray]:
+    def bends(self, look: Look) -> tuple[AnyArray, AnyArray]:
         """(Curvature squared, 1/m2; speed of the water across the wire, m/s) at points, (E, p+1)."""
-        sizes = self.lengths(drive.paid)
-        g, _, v, _ = self._material(r, u, np.zeros_like(u), sizes, any(drive.paid[1:]))
-        return bent(*(_components(x) for x in (g, self.slope(g, sizes.half), v)), self.ops)
+        return bent(*(_components(x) for x in (look.parts[0], look.bend, look.parts[2])), self.ops)
 
     def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
         """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes
@@ -228,21 +251,24 @@ class Chain:
     def needed(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """R, N, (n, d), for positions, velocities and accelerations of the nodes."""
         sizes = self.lengths(drive.paid)
-        n, q = self._loads(r, u, b, drive, sizes)
+        n, q = self._point_loads(self._material(r, u, b, sizes, any(drive.paid[1:])))
+        return self._gathered(n, q, sizes, *self.fixture_loads(r, u, b, drive.force))
+
+    def _gathered(self, n: Array, q: Array, sizes: Lengths, nodes: AnyArray, loads: Array) -> Array:
+        """R from loads at points and on what is fixed to nodes."""
         weights = self.rule.weights
         points = self.rule.slopes.T @ (weights[:, None] * n) + (weights * sizes.half)[:, :, None] * q
         total = self.scatter(points)
-        nodes, loads = self.fixture_loads(r, u, b, drive.force)
         total[nodes] += loads
         return total
 
     def fixture_loads(self, r: Array, u: Array, b: Array, force: Array | None) -> tuple[AnyArray, Array]:
         """(Nodes, resisting loads on them, N): what is fixed to the wire."""
-        nodes, fixture = self.fixtures
-        if not len(nodes):
-            return nodes, np.zeros((0, self.dimensions))
-        v = u[nodes] - self._water(r[nodes, -1])
-        loads = _joined(fixture_load(_components(v), _components(b[nodes]), fixture, self.ops))
+        nodes = self.fixtures[0]
+        loads = np.zeros((len(nodes), self.dimensions))
+        for k, (node, fixture) in enumerate(self.fixed):
+            v = u[node] - self._water(r[node, -1])
+            loads[k] = fixture_load(tuple(v.tolist()), tuple(b[node].tolist()), fixture, FLOATS)
         if force is not None and self.wire.body is not None:
             loads[0] -= force
         return nodes, loads
@@ -266,13 +292,18 @@ class Chain:
         # (seed, E, point, component) -> (E, point, component, seed)
         n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
         slopes, weights = self.rule.slopes, self.rule.weights
-        outer = np.einsum("q,qi,qj->qij", weights, slopes, slopes)
+        outer = (weights[:, None, None] * slopes[:, :, None] * slopes[:, None, :]).reshape(p + 1, -1).T
         scale = 1.0 / sizes.half
         local = (weights * sizes.half)[:, :, None, None] * q
-        stiff = np.einsum("qij,eqab,e->eiajb", outer, n[..., :d], scale[:, 0], optimize=True)
-        damp = np.einsum("qij,eqab,e->eiajb", outer, n[..., d : 2 * d], scale[:, 0], optimize=True)
+
+        def within(by: Array) -> Array:
+            """D' (w by/half) D."""
+            joined = (outer @ by.reshape(e, p + 1, -1)) * scale[:, :, None]
+            return np.moveaxis(joined.reshape(e, p + 1, p + 1, d, d), 2, 3).copy()
+
+        stiff, damp = within(n[..., :d]), within(n[..., d : 2 * d])
         by_slope = local[..., :d] - sizes.slide[:, :, None, None] * local[..., d : 2 * d]
-        stiff += np.einsum("ij,eiab,e->eiajb", slopes, by_slope, scale[:, 0])
+        stiff += slopes[:, None, :, None] * (by_slope * scale[:, :, None, None])[:, :, :, None, :]
         mass = np.zeros((e, p + 1, d, p + 1, d))
         each = np.arange(p + 1)
         mass[:, each, :, each, :] += np.moveaxis(local[..., 2 * d :], 1, 0)

@@ -166,7 +166,9 @@ class Stepper:
         assert self._kept is not None
         made, factors, inertia = self._kept
         raw = h * np.tensordot(np.array(table.error), np.array(ks), 1)
-        force = self.chain.scatter(np.einsum("eiajb,ejb->eia", inertia, self.chain.gather(raw)))
+        points = self.chain.gather(raw)
+        size = points[0].size
+        force = self.chain.scatter((inertia.reshape(-1, size, size) @ points.reshape(-1, size, 1)).reshape(points.shape))
         error = float(np.abs(factors.solve(force[self.chain.free])).max()) / self.tolerance
         return State(r, u, k, state.step, made, (h, state.acceleration)), error
 

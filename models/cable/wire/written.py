@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ...numeric.ops import Ops, Value
 from .chain import Chain
 from .elements import legendre
-from .point import Fixture, Material, Vector, dot, fixture_load, load, pull
+from .point import Material, Vector, dot, fixture_load, load, pull
 
 Vectors = Sequence[Vector]
 
@@ -86,16 +86,12 @@ class Written:
         self.chain, self.ops = chain, ops
         rule = chain.rule
         self._weights, self._slopes, self._integrals = rule.weights.tolist(), rule.slopes.tolist(), rule.integrals.tolist()
-        self._materials = [Material(*(float(column[e, 0]) for column in chain.material))
-                           for e in range(len(chain.mesh.lengths))]  # fmt: skip
+        parts = [part.material(chain.wire.density) for part in chain.wire.sections]
+        self._materials = [Material(*map(float, parts[k])) for k in chain.mesh.section]
         last = len(chain.wire.sections) - 1
         self._grows = [int(k) == last for k in chain.mesh.section]
         self._shares, self._half = chain._shares.tolist(), (0.5 * chain.mesh.lengths).tolist()
-        nodes, fixture = chain.fixtures
-        self._fixtures = [
-            (int(node), Fixture(tuple(float(m[k]) for m in fixture.masses), float(fixture.weight[k]), float(fixture.drag[k])))
-            for k, node in enumerate(nodes)
-        ]
+        self._fixtures = chain.fixed
 
     def _water(self, z: Value) -> Vector:
         flow = self.chain.flow

@@ -4,14 +4,14 @@
 #include "chain_look.h"
 #include "wire.h"
 
-/* Change of the error by bending `rod` curvature^2/T. */
-static double bending_change(double rod, const double *bent, const double *change, const double *pull,
+/* Change of the error by bending `stiff` curvature^2/T. */
+static double bending_change(double stiff, const double *bent, const double *change, const double *pull,
                              const double *pull_change, double size, int d)
 {
     double along = 0.0;
     for (int c = 0; c < d; c++) along += pull[c] * pull_change[c];
     const double tension = size + WIRE_LEAST_ROOM, tension_change = size > 0.0 ? along / size : 0.0;
-    return rod * (change[0] - bent[0] * tension_change / tension) / tension;
+    return stiff * (change[0] - bent[0] * tension_change / tension) / tension;
 }
 
 void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const double *pulls, const Motion *delta,
@@ -29,7 +29,7 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
         for (int c = 0; c < d; c++) square += pulls[k * d + c] * pulls[k * d + c];
         chain_bent(chain, k, at, drive->paid, bent);
         const double error =
-            (below ? numbers->tail_rod : numbers->wire_rod) * bent[0] / (sqrt(square) + WIRE_LEAST_ROOM);
+            (below ? numbers->tail_bending : numbers->wire_bending) * bent[0] / (sqrt(square) + WIRE_LEAST_ROOM);
         const double flow = (below ? numbers->tail_diameter : numbers->wire_diameter) * bent[1];
         if (error > model->bending) {
             model->bending = error;
@@ -46,8 +46,9 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
         for (int c = 0; c < d; c++) square += pulls[bends * d + c] * pulls[bends * d + c];
         chain_bent(chain, bends, at, drive->paid, bent);
         chain_bent_change(chain, bends, at, drive->paid, delta, drive_change->paid, change);
-        model->bending_change = bending_change(bends / points < tail ? numbers->tail_rod : numbers->wire_rod, bent,
-                                               change, pulls + bends * d, pulls_change + bends * d, sqrt(square), d);
+        model->bending_change =
+            bending_change(bends / points < tail ? numbers->tail_bending : numbers->wire_bending, bent, change,
+                           pulls + bends * d, pulls_change + bends * d, sqrt(square), d);
     }
     if (flows >= 0) {
         chain_bent_change(chain, flows, at, drive->paid, delta, drive_change->paid, change);
