@@ -72,10 +72,11 @@ def _spread(material: Sequence[Material], section: AnyArray) -> Material:
 
 
 class Lengths(NamedTuple):
-    """Half of the elements' lengths, m, (E, 1); movement of points over the material: sigma, m/s, (E, p+1), its slope over s,
+    """Half of the elements' lengths, m, (E, 1), and its share at points, (E, p+1, 1); movement of points over the material: sigma, m/s, (E, p+1), its slope over s,
     1/s, (E, 1), and its rate, m/s2."""
 
     half: Array
+    shares: Array
     slide: Array
     slide_slope: Array
     slide_rate: Array
@@ -159,7 +160,8 @@ class Chain:
         grows = (self.mesh.section == len(self.wire.sections) - 1)[:, None]
         factor = np.where(grows, 1.0 + added / last, 1.0)
         slope = np.where(grows, rate / (last + added), 0.0)
-        return Lengths(0.5 * factor * self.mesh.lengths[:, None], rate * self._shares, slope, change * self._shares)
+        half = 0.5 * factor * self.mesh.lengths[:, None]
+        return Lengths(half, (self.rule.weights * half)[:, :, None], rate * self._shares, slope, change * self._shares)
 
     def gather(self, nodes: AnyArray) -> AnyArray:
         """Values at nodes (n, d) -> at points (E, p+1, d)."""
@@ -181,7 +183,8 @@ class Chain:
 
     def slope(self, points: Array, half: Array) -> Array:
         """d/ds of points' values (E, p+1, d)."""
-        derivative: Array = (self.rule.slopes @ points) / half[:, :, None]
+        derivative: Array = self.rule.slopes @ points
+        derivative /= half[:, :, None]
         return derivative
 
     def _material(self, r: Array, u: Array, b: Array, sizes: Lengths, paid: bool) -> tuple[Array, ...]:
@@ -256,11 +259,15 @@ class Chain:
 
     def _gathered(self, n: Array, q: Array, sizes: Lengths, nodes: AnyArray, loads: Array) -> Array:
         """R from loads at points and on what is fixed to nodes."""
-        weights = self.rule.weights
-        points = self.rule.slopes.T @ (weights[:, None] * n) + (weights * sizes.half)[:, :, None] * q
-        total = self.scatter(points)
+        total = self.scatter(self._weighted @ n + sizes.shares * q)
         total[nodes] += loads
         return total
+
+    @cached_property
+    def _weighted(self) -> Array:
+        """D' w."""
+        weighted: Array = self.rule.slopes.T * self.rule.weights
+        return weighted
 
     def fixture_loads(self, r: Array, u: Array, b: Array, force: Array | None) -> tuple[AnyArray, Array]:
         """(Nodes, resisting loads on them, N): what is fixed to the wire."""
