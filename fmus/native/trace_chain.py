@@ -32,7 +32,7 @@ from .traced import OPS, Traced, column, dense, forward, parts
 
 MOST_STAGES = 6
 DIMENSIONS = (2, 3)
-LIMITS = ("LEAST_ROOM", "BENDING_LIMIT", "MOST_BENDING", "REYNOLDS_LIMIT", "VISCOSITY")
+LIMITS = ("STATIONS", "LEAST_ROOM", "BENDING_LIMIT", "MOST_BENDING", "REYNOLDS_LIMIT", "VISCOSITY")
 """Of ``wire_ports.py``, which C takes."""
 
 

@@ -16,7 +16,7 @@ from fmpy.fmi2 import FMU2Slave
 from towage.fmus.declare.unit import load
 from towage.fmus.native.trace_chain import flat
 from towage.fmus.python.instance import Instance
-from towage.models.cable.units import wire_ports
+from towage.models.cable.units import wire_parameters
 from towage.models.cable.units.wire import prepare
 from towage.models.numeric.ops import FLOATS
 
@@ -135,7 +135,7 @@ def test_derivatives_against_differences(start: dict[str, float], make: Make) ->
             unit.setReal([known], [value])
             assert exact == pytest.approx((ends[0] - ends[1]) / (2.0 * e), rel=1e-6, abs=1e-6), name
     smooth = ["depth", "layback", "offset", "body_surge", "body_heave", "length", "body_velocity_heave", "margin_resolution"]
-    smooth += ["margin_surface", "margin_drag", "margin_bending"]
+    smooth += ["shape2_layback", "shape3_offset", "shape4_depth", "margin_surface", "margin_drag", "margin_bending"]
     rates = np.array(unit.getRealOutputDerivatives([UNIT.index[n] for n in smooth], [1] * len(smooth)))
     values = [seen(unit, smooth)]
     for k in range(2):
@@ -196,7 +196,7 @@ def test_energy_never_grows_undriven(steps: int, make: Make) -> None:
     """Shaken until it goes slack and snaps, then left alone: to a thousandth of what was put in, which an order of the steps'
     error leaves."""
     unit = make(LOOSE)
-    prepared = prepare(wire_ports.Parameters(**{**{v.name: v.start for v in UNIT.parameters}, **LOOSE}))
+    prepared = prepare(wire_parameters.Parameters(**{**{v.name: v.start for v in UNIT.parameters}, **LOOSE}))
     rest, t, least = energy_of(unit, prepared), 0.0, 1.0
     for k in range(80):
         put(unit, {"velocity_heave": 4.0 if k % 20 < 10 else -4.0, "velocity_sway": 1.0 if k % 40 < 20 else -1.0})
@@ -234,8 +234,8 @@ def test_refusals_say_what_helps(make: Make) -> None:
 
 def test_numbers_are_those_of_the_model() -> None:
     """What C takes is what Python makes of the same parameters, section by section."""
-    p = wire_ports.Parameters(**{**{v.name: v.start for v in UNIT.parameters}, **ARRAY})
-    wire, found = wire_ports.wire_of(p), wire_ports.numbers(p, FLOATS)
+    p = wire_parameters.Parameters(**{**{v.name: v.start for v in UNIT.parameters}, **ARRAY})
+    wire, found = wire_parameters.wire_of(p), wire_parameters.numbers(p, FLOATS)
     assert (found.tail, found.wire) == tuple(part.material(p.water_density) for part in wire.sections)
     assert wire.body is not None and found.body[3] == wire.body.weight and found.clump[3] == wire.clumps[0][1].weight
     assert len(list(flat(found))) == 16 + 2 * 15 + 2 * 5 + 2 + 6

@@ -31,34 +31,36 @@ from ...protocol.model import AnyModel, Model, Requirement, remembered
 from ..case import CableError
 from ..parameters import integral, refusal_by
 from ..wire.chain import Chain, Drive
+from ..wire.elements import lagrange
 from ..wire.grading import MOST_ELEMENTS, graded_mesh
+from ..wire.jacobian import derivatives
+from ..wire.mesh import Mesh
 from ..wire.rest import Frame, equilibrium, march
 from ..wire.stepper import State, Stepper
-from . import wire_ports
+from . import wire_parameters
+from .wire_parameters import Parameters, flow_of, wire_of
 from .wire_ports import (
     BENDING_LIMIT,
     LEAST_ROOM,
     MOST_BENDING,
     REYNOLDS_LIMIT,
+    STATIONS,
     VISCOSITY,
     Calculated,
     Inputs,
     Modes,
     Outputs,
-    Parameters,
-    flow_of,
-    wire_of,
 )
 
 
 def requirements(p: Parameters, ops: Ops) -> Sequence[Requirement]:
     """What the parameters must fulfil."""
-    return wire_ports.requirements(p, ops)
+    return wire_parameters.requirements(p, ops)
 
 
 class Prepared(NamedTuple):
     """The chain and its stepper; the steady nodes (n, d), needed forces, N, tensions (least, largest, at the body), N; error
-    of the mesh at rest; EI, N m2, and diameter, m, of its elements, (E, 1)."""
+    of the mesh at rest; EI, N m2, and diameter, m, of its elements, (E, 1); see `stations`."""
 
     chain: Chain
     stepper: Stepper
@@ -67,6 +69,19 @@ class Prepared(NamedTuple):
     tensions: tuple[float, float, float]
     error: float
     thickness: tuple[Array, Array]
+    stations: Array
+
+
+def stations(mesh: Mesh) -> Array:
+    """Rows that take places of the nodes to those of `STATIONS` places in equal parts of the length, (STATIONS, n)."""
+    ends = np.concatenate([[0.0], np.cumsum(mesh.lengths)])
+    rows = np.zeros((STATIONS, mesh.nodes))
+    for k in range(STATIONS):
+        s = ends[-1] * (k + 1) / (STATIONS + 1)
+        e = min(int(np.searchsorted(ends, s, side="right")) - 1, len(mesh.lengths) - 1)
+        x = 2.0 * (s - ends[e]) / mesh.lengths[e] - 1.0
+        rows[k, e * mesh.degree : e * mesh.degree + mesh.degree + 1] = lagrange(mesh.degree, np.array([x]))[0]
+    return rows
 
 
 @remembered
@@ -97,6 +112,7 @@ def prepare(p: Parameters) -> Prepared:
     return Prepared(
         chain, Stepper(chain, p.velocity_tolerance, p.largest_step), nodes, look.needed,
         (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), graded.error, (thick[0], thick[1]),
+        stations(graded.mesh),
     )  # fmt: skip
 
 
@@ -175,9 +191,10 @@ def thickness(p: Parameters) -> list[tuple[float, float]]:
 
 
 class Seen(NamedTuple):
-    """What outputs are made of: force needed at the top and at the lower end, N; tensions (least, largest, at the body), N; place of the body, m,
-    its velocity, m/s, and the displacement of the towpoint, m, of d components; wire paid out, m; error of the shape; largest
-    error of the tension by bending; largest diameter times speed of the water across the wire, m2/s."""
+    """What outputs are made of: force needed at the top and at the lower end, N; tensions (least, largest, at the body), N; place
+    of the body, m, its velocity, m/s, and the displacement of the towpoint, m, of d components; wire paid out, m; error of
+    the shape; largest error of the tension by bending; largest diameter times speed of the water across the wire, m2/s;
+    places of the shape's stations, m."""
 
     needed: Sequence[Value]
     lower: Sequence[Value]
@@ -189,6 +206,7 @@ class Seen(NamedTuple):
     error: Value
     bending: Value
     flow: Value
+    shape: Sequence[Sequence[Value]]
 
 
 def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs:
@@ -208,12 +226,16 @@ def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs
     )
     if prepared.chain.wire.body is not None:
         lower = (0.0, 0.0, 0.0)
+    shape = [
+        (seen.top[0] - point[0], point[1] - seen.top[1] if d == 3 else 0.0, -point[-1]) for point in seen.shape
+    ]  # fmt: skip
     below = p.surface_height - rest[-1]
     level2 = needed[0] * needed[0] + needed[1] * needed[1]
     room = max(p.breaking_load - prepared.tensions[1], LEAST_ROOM)
     return Outputs(
         *excess, ops.sqrt(level2 + needed[2] * needed[2]), at_body, least, most, ops.atan2(needed[2], ops.sqrt(level2)),
-        -body[2], -away[0], away[1], *moved, *speed, *lower, prepared.chain.wire.length + seen.paid,
+        -body[2], -away[0], away[1], *(x for point in shape for x in point), *moved, *speed, *lower,
+        prepared.chain.wire.length + seen.paid,
         ops.minimum(1.0, least / prepared.tensions[0]),
         (p.breaking_load - most) / room if p.breaking_load > 0.0 else 1.0,
         1.0 - seen.error / p.tolerance, 1.0 - ops.minimum(seen.bending, MOST_BENDING) / BENDING_LIMIT,
@@ -244,6 +266,7 @@ def outputs(
         needed[-1].tolist(), needed[0].tolist(), (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), r[0].tolist(),
         v[0].tolist(), top.tolist(), paid, chain.shape_error(r, drive.paid),
         float((stiff * curvature2 / (sizes + LEAST_ROOM)).max()), float((diameter * across).max()),
+        (prepared.stations @ r).tolist(),
     )  # fmt: skip
     return observed(seen, prepared, p, FLOATS)
 
@@ -252,7 +275,7 @@ def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Of the steady tow; ``port_mass``: of the node at the top, in heave."""
     prepared = prepare(p)
     chain, still = prepared.chain, np.zeros_like(prepared.nodes)
-    mass = chain.derivatives(prepared.nodes, still, still)[2]
+    mass = derivatives(chain, prepared.nodes, still, still)[2]
     return Calculated(
         float(mass[-1, -1, -1, -1, -1]), float(np.linalg.norm(prepared.needed[-1])), prepared.tensions[2],
         -float(prepared.nodes[0, -1]), float(len(chain.mesh.lengths)), prepared.error,
@@ -268,9 +291,10 @@ def part(p: Parameters) -> AnyModel:
 
 WIRE = Model(
     "wire",
-    "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space",
+    "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space; no model "
+    "exchange, since its number of states follows from its parameters (a scene of it as one unit has it)",
     Parameters, None, Modes, Inputs, Outputs, Calculated,
     initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
-    refusal=refusal_by(prepare), numbers=wire_ports.numbers, part=part,
+    refusal=refusal_by(prepare), numbers=wire_parameters.numbers, part=part,
     floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )  # fmt: skip

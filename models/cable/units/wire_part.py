@@ -17,9 +17,10 @@ from typing import Any, NamedTuple
 from ...numeric.ops import FLOATS, Ops, Value
 from ...protocol.model import AnyModel, Model
 from ..wire.point import Vector, bent
-from ..wire.written import Drive, Look, Vectors, Written
+from ..wire.written import Drive, Look, Vectors, Written, combined
 from .wire import Modes, Seen, observed, prepare, thickness, vectors
-from .wire_ports import LEAST_ROOM, Parameters
+from .wire_parameters import Parameters
+from .wire_ports import LEAST_ROOM
 
 AXES = ("x", "y", "z")
 HELD = ("payout_speed",)
@@ -94,7 +95,7 @@ class WirePart:
             flow = ops.maximum(flow, diameter * across)
         seen = Seen(
             look.needed[-1], look.needed[0], (least, most, sizes[0]), now.r[0], now.v[0], now.r[-1], paid,
-            now.written.shape_error(look, paid), bending, flow,
+            now.written.shape_error(look, paid), bending, flow, [combined(row, now.r) for row in self.prepared.stations.tolist()],
         )  # fmt: skip
         return observed(seen, self.prepared, self.p, ops)
 

@@ -31,8 +31,6 @@ from .mesh import Mesh
 from .parts import Flow, Wire
 from .point import Fixture, Material, Vector, bent, fixture_load, load, pull
 
-STEP = 1e-150
-"""Complex step of derivatives, exact to rounding."""
 HAULED = 1e-3
 """Share of the last section that cannot be hauled in."""
 
@@ -54,11 +52,12 @@ class Drive(NamedTuple):
     lower: tuple[Array, Array, Array] | None = None
 
 
-def _components(vectors: AnyArray) -> Vector:
+def components(vectors: AnyArray) -> Vector:
+    """Of vectors (..., d), arrays (...)."""
     return tuple(vectors[..., k] for k in range(vectors.shape[-1]))
 
 
-def _joined(components: Vector) -> AnyArray:
+def joined(components: Vector) -> AnyArray:
     """The array of components, which may be numbers where others are arrays."""
     first = components[0]
     vectors: AnyArray = np.empty((*first.shape, len(components)), first.dtype)
@@ -72,8 +71,8 @@ def _spread(material: Sequence[Material], section: AnyArray) -> Material:
 
 
 class Lengths(NamedTuple):
-    """Half of the elements' lengths, m, (E, 1), and its share at points, (E, p+1, 1); movement of points over the material: sigma, m/s, (E, p+1), its slope over s,
-    1/s, (E, 1), and its rate, m/s2."""
+    """Half of the elements' lengths, m, (E, 1), and its share at points, (E, p+1, 1); movement of points over the material:
+    sigma, m/s, (E, p+1), its slope over s, 1/s, (E, 1), and its rate, m/s2."""
 
     half: Array
     shares: Array
@@ -120,7 +119,7 @@ class Chain:
         nodes = np.array([int(np.abs(self.mesh.places - s).argmin()) for s, _ in parts], dtype=int)
         found = [mass.fixture(self.wire.density, self.dimensions) for _, mass in parts]
         masses = np.array([f.masses for f in found]).reshape(-1, self.dimensions)
-        return nodes, Fixture(_components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+        return nodes, Fixture(components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
 
     @cached_property
     def fixed(self) -> list[tuple[int, Fixture]]:
@@ -187,7 +186,7 @@ class Chain:
         derivative /= half[:, :, None]
         return derivative
 
-    def _material(self, r: Array, u: Array, b: Array, sizes: Lengths, paid: bool) -> tuple[Array, ...]:
+    def at_points(self, r: Array, u: Array, b: Array, sizes: Lengths, paid: bool) -> tuple[Array, ...]:
         """(g, its rate, velocity through the water, acceleration of the material) at points."""
         places, v, a = self.gather(r), self.gather(u), self.gather(b)
         g, rate = self.slope(places, sizes.half), self.slope(v, sizes.half)
@@ -198,9 +197,9 @@ class Chain:
             a = a - sizes.slide_rate[:, :, None] * g
             v = v - sigma * g
             rate = rate - stretch_rate * g
-        return g, rate, v - self._water(places[..., -1]), a
+        return g, rate, v - self.water(places[..., -1]), a
 
-    def _water(self, z: AnyArray) -> Array:
+    def water(self, z: AnyArray) -> Array:
         """Velocity of the water at heights, (..., d), or (d,) where it is the same at all."""
         if len(self.flow.z) == 1:
             everywhere: Array = self.flow.velocity[0]
@@ -210,9 +209,9 @@ class Chain:
 
     def _point_loads(self, parts: tuple[Array, ...]) -> tuple[Array, Array]:
         """(n, q) at points."""
-        g, rate, v, a = map(_components, parts)
-        n = _joined(pull(g, rate, self.material, self.ops)[0])
-        return n, _joined(load(g, v, a, self.material, self.ops))
+        g, rate, v, a = map(components, parts)
+        n = joined(pull(g, rate, self.material, self.ops)[0])
+        return n, joined(load(g, v, a, self.material, self.ops))
 
     def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""
@@ -221,7 +220,7 @@ class Chain:
     def look(self, r: Array, u: Array, b: Array, drive: Drive) -> Look:
         """All that is read off a motion."""
         sizes = self.lengths(drive.paid)
-        parts = self._material(r, u, b, sizes, any(drive.paid[1:]))
+        parts = self.at_points(r, u, b, sizes, any(drive.paid[1:]))
         n, q = self._point_loads(parts)
         nodes, loads = self.fixture_loads(r, u, b, drive.force)
         needed = self._gathered(n, q, sizes, nodes, loads)
@@ -236,7 +235,7 @@ class Chain:
 
     def bends(self, look: Look) -> tuple[AnyArray, AnyArray]:
         """(Curvature squared, 1/m2; speed of the water across the wire, m/s) at points, (E, p+1)."""
-        return bent(*(_components(x) for x in (look.parts[0], look.bend, look.parts[2])), self.ops)
+        return bent(*(components(x) for x in (look.parts[0], look.bend, look.parts[2])), self.ops)
 
     def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
         """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes
@@ -254,7 +253,7 @@ class Chain:
     def needed(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """R, N, (n, d), for positions, velocities and accelerations of the nodes."""
         sizes = self.lengths(drive.paid)
-        n, q = self._point_loads(self._material(r, u, b, sizes, any(drive.paid[1:])))
+        n, q = self._point_loads(self.at_points(r, u, b, sizes, any(drive.paid[1:])))
         return self._gathered(n, q, sizes, *self.fixture_loads(r, u, b, drive.force))
 
     def _gathered(self, n: Array, q: Array, sizes: Lengths, nodes: AnyArray, loads: Array) -> Array:
@@ -274,68 +273,8 @@ class Chain:
         nodes = self.fixtures[0]
         loads = np.zeros((len(nodes), self.dimensions))
         for k, (node, fixture) in enumerate(self.fixed):
-            v = u[node] - self._water(r[node, -1])
+            v = u[node] - self.water(r[node, -1])
             loads[k] = fixture_load(tuple(v.tolist()), tuple(b[node].tolist()), fixture, FLOATS)
         if force is not None and self.wire.body is not None:
             loads[0] -= force
         return nodes, loads
-
-    def derivatives(self, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID) -> tuple[Array, Array, Array]:
-        """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
-        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration."""
-        sizes = self.lengths(paid)
-        d, p, e = self.dimensions, self.mesh.degree, len(self.mesh.lengths)
-        parts = self._material(r, u, b, sizes, any(paid[1:]))
-        # seeds: d of g, d of velocity and rate together (n knows no velocity, q no rate), d of acceleration
-        seeded = [np.repeat(x.astype(complex)[None], 3 * d, axis=0) for x in parts]
-        for k in range(d):
-            seeded[0][k, ..., k] += 1j * STEP
-            seeded[1][d + k, ..., k] += 1j * STEP
-            seeded[2][d + k, ..., k] += 1j * STEP
-            seeded[3][2 * d + k, ..., k] += 1j * STEP
-        g, rate, v, a = (_components(x) for x in seeded)
-        n = _joined(pull(g, rate, self.material, self.ops)[0]).imag / STEP
-        q = _joined(load(g, v, a, self.material, self.ops)).imag / STEP
-        # (seed, E, point, component) -> (E, point, component, seed)
-        n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
-        slopes, weights = self.rule.slopes, self.rule.weights
-        outer = (weights[:, None, None] * slopes[:, :, None] * slopes[:, None, :]).reshape(p + 1, -1).T
-        scale = 1.0 / sizes.half
-        local = (weights * sizes.half)[:, :, None, None] * q
-
-        def within(by: Array) -> Array:
-            """D' (w by/half) D."""
-            joined = (outer @ by.reshape(e, p + 1, -1)) * scale[:, :, None]
-            return np.moveaxis(joined.reshape(e, p + 1, p + 1, d, d), 2, 3).copy()
-
-        stiff, damp = within(n[..., :d]), within(n[..., d : 2 * d])
-        by_slope = local[..., :d] - sizes.slide[:, :, None, None] * local[..., d : 2 * d]
-        stiff += slopes[:, None, :, None] * (by_slope * scale[:, :, None, None])[:, :, :, None, :]
-        mass = np.zeros((e, p + 1, d, p + 1, d))
-        each = np.arange(p + 1)
-        mass[:, each, :, each, :] += np.moveaxis(local[..., 2 * d :], 1, 0)
-        damp[:, each, :, each, :] += np.moveaxis(local[..., d : 2 * d], 1, 0)
-        if len(self.flow.z) > 1:
-            sheared = self.flow.at(self.gather(r)[..., -1].ravel())[1].reshape(e, p + 1, d)
-            by_height = -np.einsum("eiab,eib->eia", local[..., d : 2 * d], sheared)
-            stiff[:, each, :, each, d - 1] += np.moveaxis(by_height, 1, 0)
-        self._fixture_derivatives(r, u, stiff, damp, mass)
-        return stiff, damp, mass
-
-    def _fixture_derivatives(self, r: Array, u: Array, stiff: Array, damp: Array, mass: Array) -> None:
-        """Add those of fixtures to the elements above them."""
-        nodes, fixture = self.fixtures
-        if not len(nodes):
-            return
-        d = self.dimensions
-        flow, sheared = self.flow.at(r[nodes, -1])
-        v = np.repeat((u[nodes] - flow).astype(complex)[None], d, axis=0)
-        sheared = np.broadcast_to(sheared, flow.shape)
-        for k in range(d):
-            v[k, :, k] += 1j * STEP
-        slopes = _joined(fixture_load(_components(v), _components(0.0 * v), fixture, self.ops)).imag / STEP
-        for k, node in enumerate(nodes):
-            above = node // self.mesh.degree
-            damp[above, 0, :, 0, :] += slopes[:, k, :].T
-            stiff[above, 0, :, 0, d - 1] -= slopes[:, k, :].T @ sheared[k]
-            mass[above, 0, :, 0, :] += np.diag([float(m[k]) for m in fixture.masses])

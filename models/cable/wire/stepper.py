@@ -21,6 +21,7 @@ import numpy as np
 from ...numeric.arrays import Array
 from ..case import CableError
 from .chain import Chain, Drive, Paid
+from .jacobian import derivatives
 from .matrix import Factors, factorised
 from .tableaus import THIRD, Tableau
 
@@ -91,7 +92,7 @@ class Stepper:
 
     def _factorise(self, made: Made) -> bool:
         """Factors of a place; False where there are none."""
-        stiff, damp, mass = self.chain.derivatives(*made[:3], made[4])
+        stiff, damp, mass = derivatives(self.chain, *made[:3], made[4])
         weight = made[3]
         factors = factorised(mass + weight * (damp + weight * stiff), self.chain.free)
         self.factorisations += 1
@@ -219,7 +220,7 @@ class Stepper:
 def consistent(chain: Chain, r: Array, u: Array, drive: Drive) -> State:
     """State with the accelerations that positions and velocities ask for."""
     zero, free = np.zeros_like(r), chain.free
-    mass = chain.derivatives(r, u, zero, drive.paid)[2]
+    mass = derivatives(chain, r, u, zero, drive.paid)[2]
     factors = factorised(mass, free)
     if factors is None:
         raise CableError("the wire has a node without mass")

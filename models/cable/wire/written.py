@@ -55,7 +55,7 @@ def _sum(terms: Sequence[Value]) -> Value:
     return total
 
 
-def _combined(row: Sequence[float], vectors: Vectors, scale: Value = 1.0) -> Vector:
+def combined(row: Sequence[float], vectors: Vectors, scale: Value = 1.0) -> Vector:
     """scale times the sum of vectors with the weights of ``row``."""
     return tuple(
         scale * _sum([w * v[c] for w, v in zip(row, vectors) if w != 0.0] or [0.0]) for c in range(len(vectors[0]))
@@ -110,7 +110,7 @@ class Written:
         for e in range(len(self._half)):
             points, half = self._element(e, r, u, b, drive.paid)
             for i in range(degree + 1):
-                total = _combined(
+                total = combined(
                     [w * row[i] for w, row in zip(self._weights, self._slopes)], [point.n for point in points]
                 )
                 at = e * degree + i
@@ -137,11 +137,11 @@ class Written:
             last = self.chain.wire.sections[-1].length
             length, stretch = half * (1.0 + paid[0] * (1.0 / last)), paid[1] / (last + paid[0])
         scale = 1.0 / length
-        gs = [_combined(row, r[own], scale) for row in self._slopes]
+        gs = [combined(row, r[own], scale) for row in self._slopes]
         points = []
         for i, row in enumerate(self._slopes):
             g, v, a = gs[i], _plus(u[own][i], self._water(r[own][i][-1]), -1.0), b[own][i]
-            rate, bend = _combined(row, u[own], scale), _combined(row, gs, scale)
+            rate, bend = combined(row, u[own], scale), combined(row, gs, scale)
             if self._grows[e]:
                 share = self._shares[e][i]
                 sigma = paid[1] * share
@@ -200,7 +200,7 @@ class Written:
         for e, (points, half) in enumerate(zip(look.points, look.half)):
             if (resists := fixed.get(e * self.chain.mesh.degree)) is not None:
                 at = _plus(at, resists)
-            within = [_combined(row, [point.q for point in points], half) for row in self._integrals]
+            within = [combined(row, [point.q for point in points], half) for row in self._integrals]
             pulls = [_plus(at, each) for each in within]
             found += [self.ops.sqrt(dot(n, n)) for n in pulls]
             at = pulls[-1]
@@ -219,5 +219,5 @@ class Written:
         return worst / (self.chain.wire.length + added)
 
     def _coefficient(self, k: int, points: Sequence[Point]) -> Value:
-        c = _combined(legendre(k, self.chain.mesh.degree).tolist(), [point.g for point in points])
+        c = combined(legendre(k, self.chain.mesh.degree).tolist(), [point.g for point in points])
         return self.ops.sqrt(dot(c, c))

@@ -23,8 +23,10 @@ struct Wire {
     double fixture[2 * (MOST_DIMENSIONS + 2)], level[2], flow[2 * MOST_DIMENSIONS];
     double begun[MOST_DIMENSIONS]; /* place of the lower end before the step that is under way */
     double needed_top[MOST_DIMENSIONS], needed_lower[MOST_DIMENSIONS], least, most, at_body; /* at rest */
-    double error;                                                                            /* of the mesh at rest */
-    double *v, *a, *dv, *da, *needed;                                                        /* work space of a look */
+    int station[WIRE_STATIONS];                        /* first node of the element of each */
+    double at_station[WIRE_STATIONS][MOST_DEGREE + 1]; /* what its nodes count there */
+    double error;                                      /* of the mesh at rest */
+    double *v, *a, *dv, *da, *needed;                  /* work space of a look */
     double *n, *q, *dn, *dq, *pulls, *dpulls;
 };
 
@@ -70,6 +72,10 @@ typedef struct {
 
 void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const double *pulls, const Motion *delta,
                 const Drive *drive_change, const double *pulls_change, WireModel *model);
+
+/* (Distance behind and to port of the towpoint at `top`, depth) of each station, for places of nodes or their changes.
+ */
+void wire_shape(const Wire *wire, const double *r, const double *top, double shape[WIRE_STATIONS][3]);
 
 /* margin_surface of a body at height z, m, and its slope over z. */
 double wire_surface(const Wire *wire, double z, double *slope);

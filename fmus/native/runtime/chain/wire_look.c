@@ -1,9 +1,12 @@
 /* Outputs of the unit `wire` and their changes, as `outputs` of models/cable/units/wire.py has them. */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "chain_look.h"
 #include "wire.h"
+
+enum { WIRE_SHAPE = offsetof(WireOutputs, shape1_layback) / sizeof(double) };
 
 /* Forces behind the outputs, or their changes. */
 typedef struct {
@@ -131,6 +134,8 @@ Outcome wire_observe(Instance *it, double *observed)
     const double held = wire->stepper.chain.held ? 1.0 : 0.0, *low = forces.lower, *low0 = wire->needed_lower;
     WireModel model;
     wire_model(wire, &at, &drive, forces.pulls, NULL, NULL, NULL, &model);
+    double shape[WIRE_STATIONS][3];
+    wire_shape(wire, r, top, shape);
     const WireOutputs out = {
         .reaction_surge = f[0] - f0[0],
         .reaction_sway = space ? f[1] - f0[1] : 0.0,
@@ -164,6 +169,7 @@ Outcome wire_observe(Instance *it, double *observed)
         .body_heave_rate = v[d - 1],
     };
     memcpy(observed, &out, sizeof out);
+    memcpy(observed + WIRE_SHAPE, shape, sizeof shape);
     return DONE;
 }
 
@@ -243,6 +249,9 @@ Outcome wire_forward(Instance *it, double seed_t, double *sensed)
     wire_surface(wire, it->x[d - 1], &surface_slope);
     wire_model(wire, &at, &drive, forces.pulls, &delta, &drive_change, df.pulls, &model);
     const double top_surge = seed_t * wire->v[wire->size - d], top_sway = seed_t * wire->v[wire->size - d + 1];
+    const double top_change[] = {top_surge, top_sway};
+    double shape[WIRE_STATIONS][3];
+    wire_shape(wire, dr, top_change, shape);
     const WireOutputs out = {
         .reaction_surge = g[0],
         .reaction_sway = space ? g[1] : 0.0,
@@ -276,5 +285,6 @@ Outcome wire_forward(Instance *it, double seed_t, double *sensed)
         .body_heave_rate = dv[d - 1],
     };
     memcpy(sensed, &out, sizeof out);
+    memcpy(sensed + WIRE_SHAPE, shape, sizeof shape);
     return DONE;
 }

@@ -97,6 +97,26 @@ static bool make_room(Wire *wire)
     return wire->vectors;
 }
 
+/* Places in equal parts of the length: their elements, and Lagrange's polynomials there. */
+static void find_stations(Wire *wire, const GradedElement *elements, int count)
+{
+    const int degree = wire->stepper.chain.degree;
+    const double *points = wire->stepper.chain.rule->points, all = elements[count - 1].low + elements[count - 1].length;
+    for (int k = 0; k < WIRE_STATIONS; k++) {
+        const double s = all * (k + 1) / (WIRE_STATIONS + 1);
+        int e = 0;
+        while (e < count - 1 && elements[e + 1].low <= s) e++;
+        const double x = 2.0 * (s - elements[e].low) / elements[e].length - 1.0;
+        wire->station[k] = e * degree;
+        for (int j = 0; j <= degree; j++) {
+            double value = 1.0;
+            for (int i = 0; i <= degree; i++)
+                if (i != j) value *= (x - points[i]) / (points[j] - points[i]);
+            wire->at_station[k][j] = value;
+        }
+    }
+}
+
 /* The chain of the graded elements. */
 static bool divide(Wire *wire, const GradedElement *elements, int count)
 {
@@ -127,6 +147,7 @@ static bool divide(Wire *wire, const GradedElement *elements, int count)
     chain->material = wire->material;
     chain->share = wire->share;
     wire->fixture_node[1] = chain->growing * degree;
+    find_stations(wire, elements, count);
     return true;
 }
 

@@ -64,3 +64,16 @@ double wire_surface(const Wire *wire, double z, double *slope)
     if (slope) *slope = below > 0.0 && margin < 1.0 ? -1.0 / below : 0.0;
     return fmin(1.0, margin);
 }
+
+void wire_shape(const Wire *wire, const double *r, const double *top, double shape[WIRE_STATIONS][3])
+{
+    const int d = wire->stepper.chain.dimensions, p = wire->stepper.chain.degree;
+    for (int k = 0; k < WIRE_STATIONS; k++) {
+        double place[MOST_DIMENSIONS] = {0.0};
+        for (int j = 0; j <= p; j++)
+            for (int c = 0; c < d; c++) place[c] += wire->at_station[k][j] * r[(wire->station[k] + j) * d + c];
+        shape[k][0] = top[0] - place[0];
+        shape[k][1] = d == 3 ? place[1] - top[1] : 0.0;
+        shape[k][2] = -place[d - 1];
+    }
+}
