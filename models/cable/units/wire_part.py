@@ -18,9 +18,9 @@ from ...numeric.ops import FLOATS, Ops, Value
 from ...protocol.model import AnyModel, Model
 from ..wire.point import Vector, bent
 from ..wire.written import Drive, Look, Vectors, Written, combined
-from .wire import Modes, Seen, observed, prepare, thickness, vectors
 from .wire_parameters import Parameters
-from .wire_ports import LEAST_ROOM
+from .wire_ports import LEAST_ROOM, Modes
+from .wire_seen import Seen, observed, prepare, thickness, vectors
 
 AXES = ("x", "y", "z")
 HELD = ("payout_speed",)

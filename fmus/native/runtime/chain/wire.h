@@ -64,10 +64,10 @@ static inline void wire_store(Wire *wire, double *x)
     number[WIRE_BEFORE] = state->before_step;
 }
 
-/* What bounds the model at a moment, and its change where there is a `delta`: error of the tension by bending, diameter
- * times speed of the water across the wire, m2/s, the largest of each. */
+/* What bounds the model at a moment, and its change where there is a `delta`: margin_surface; error of the tension by
+ * bending, diameter times speed of the water across the wire, m2/s, the largest of each. */
 typedef struct {
-    double bending, flow, bending_change, flow_change;
+    double bending, flow, surface, bending_change, flow_change, surface_change;
 } WireModel;
 
 void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const double *pulls, const Motion *delta,
@@ -75,10 +75,7 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
 
 /* (Distance behind and to port of the towpoint at `top`, depth) of each station, for places of nodes or their changes.
  */
-void wire_shape(const Wire *wire, const double *r, const double *top, double shape[WIRE_STATIONS][3]);
-
-/* margin_surface of a body at height z, m, and its slope over z. */
-double wire_surface(const Wire *wire, double z, double *slope);
+void wire_shape(const Wire *wire, const double *r, const double *top, double *shape);
 
 extern const Steps wire_steps;
 

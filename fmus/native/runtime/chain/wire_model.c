@@ -14,6 +14,16 @@ static double bending_change(double stiff, const double *bent, const double *cha
     return stiff * (change[0] - bent[0] * tension_change / tension) / tension;
 }
 
+/* margin_surface and its change. */
+static void surface(const Wire *wire, const Motion *at, const Motion *delta, WireModel *model)
+{
+    const int height = wire->stepper.chain.dimensions - 1;
+    const double level = wire->numbers.surface_height, below = level - wire->steady[height];
+    const double margin = below > 0.0 ? (level - at->r[height]) / below : 1.0;
+    model->surface = fmin(1.0, margin);
+    if (delta && margin < 1.0) model->surface_change = -delta->r[height] / below;
+}
+
 void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const double *pulls, const Motion *delta,
                 const Drive *drive_change, const double *pulls_change, WireModel *model)
 {
@@ -22,7 +32,8 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
     const int d = chain->dimensions, points = chain->degree + 1, tail = numbers->tail_length > 0.0 ? chain->growing : 0;
     int bends = -1, flows = -1;
     double bent[2], change[2];
-    *model = (WireModel){0.0, 0.0, 0.0, 0.0};
+    *model = (WireModel){0.0};
+    surface(wire, at, delta, model);
     for (int k = 0; k < chain->elements * points; k++) {
         const bool below = k / points < tail;
         double square = 0.0;
@@ -56,24 +67,15 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
     }
 }
 
-double wire_surface(const Wire *wire, double z, double *slope)
-{
-    const double surface = wire->numbers.surface_height,
-                 below = surface - wire->steady[wire->stepper.chain.dimensions - 1];
-    const double margin = below > 0.0 ? (surface - z) / below : 1.0;
-    if (slope) *slope = below > 0.0 && margin < 1.0 ? -1.0 / below : 0.0;
-    return fmin(1.0, margin);
-}
-
-void wire_shape(const Wire *wire, const double *r, const double *top, double shape[WIRE_STATIONS][3])
+void wire_shape(const Wire *wire, const double *r, const double *top, double *shape)
 {
     const int d = wire->stepper.chain.dimensions, p = wire->stepper.chain.degree;
     for (int k = 0; k < WIRE_STATIONS; k++) {
         double place[MOST_DIMENSIONS] = {0.0};
         for (int j = 0; j <= p; j++)
             for (int c = 0; c < d; c++) place[c] += wire->at_station[k][j] * r[(wire->station[k] + j) * d + c];
-        shape[k][0] = top[0] - place[0];
-        shape[k][1] = d == 3 ? place[1] - top[1] : 0.0;
-        shape[k][2] = -place[d - 1];
+        shape[3 * k + 0] = top[0] - place[0];
+        shape[3 * k + 1] = d == 3 ? place[1] - top[1] : 0.0;
+        shape[3 * k + 2] = -place[d - 1];
     }
 }
