@@ -5,13 +5,13 @@
 #include "wire.h"
 
 /* Change of the error by bending `stiff` curvature^2/T. */
-static double bending_change(double stiff, const double *bent, const double *change, const double *pull,
+static double bending_change(double stiff, const double *bent, const double *moved, const double *pull,
                              const double *pull_change, double size, int d)
 {
     double along = 0.0;
     for (int c = 0; c < d; c++) along += pull[c] * pull_change[c];
     const double tension = size + WIRE_LEAST_ROOM, tension_change = size > 0.0 ? along / size : 0.0;
-    return stiff * (change[0] - bent[0] * tension_change / tension) / tension;
+    return stiff * (moved[0] - bent[0] * tension_change / tension) / tension;
 }
 
 /* margin_surface and its change. */
@@ -31,7 +31,7 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
     const WireNumbers *numbers = &wire->numbers;
     const int d = chain->dimensions, points = chain->degree + 1, tail = numbers->tail_length > 0.0 ? chain->growing : 0;
     int bends = -1, flows = -1;
-    double bent[2], change[2];
+    double bent[2], moved[2];
     *model = (WireModel){0.0};
     surface(wire, at, delta, model);
     for (int k = 0; k < chain->elements * points; k++) {
@@ -56,14 +56,14 @@ void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const do
         double square = 0.0;
         for (int c = 0; c < d; c++) square += pulls[bends * d + c] * pulls[bends * d + c];
         chain_bent(chain, bends, at, drive->paid, bent);
-        chain_bent_change(chain, bends, at, drive->paid, delta, drive_change->paid, change);
+        chain_bent_change(chain, bends, at, drive->paid, delta, drive_change->paid, moved);
         model->bending_change =
-            bending_change(bends / points < tail ? numbers->tail_bending : numbers->wire_bending, bent, change,
+            bending_change(bends / points < tail ? numbers->tail_bending : numbers->wire_bending, bent, moved,
                            pulls + bends * d, pulls_change + bends * d, sqrt(square), d);
     }
     if (flows >= 0) {
-        chain_bent_change(chain, flows, at, drive->paid, delta, drive_change->paid, change);
-        model->flow_change = (flows / points < tail ? numbers->tail_diameter : numbers->wire_diameter) * change[1];
+        chain_bent_change(chain, flows, at, drive->paid, delta, drive_change->paid, moved);
+        model->flow_change = (flows / points < tail ? numbers->tail_diameter : numbers->wire_diameter) * moved[1];
     }
 }
 
