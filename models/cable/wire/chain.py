@@ -235,7 +235,7 @@ class Chain:
 
     def bends(self, look: Look) -> tuple[AnyArray, AnyArray]:
         """(Curvature squared, 1/m2; speed of the water across the wire, m/s) at points, (E, p+1)."""
-        return bent(*(components(x) for x in (look.parts[0], look.bend, look.parts[2])), self.ops)
+        return bent(components(look.parts[0]), components(look.bend), components(look.parts[2]), self.ops)
 
     def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
         """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes
