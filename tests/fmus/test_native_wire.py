@@ -17,7 +17,7 @@ from towage.fmus.declare.unit import load
 from towage.fmus.native.trace_chain import flat
 from towage.fmus.python.instance import Instance
 from towage.models.cable.units import wire_parameters
-from towage.models.cable.units.wire import prepare
+from towage.models.cable.units.wire_seen import prepare
 from towage.models.numeric.ops import FLOATS
 
 UNIT = load("wire")

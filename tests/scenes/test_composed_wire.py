@@ -13,7 +13,8 @@ from towage.errors import SceneError
 from towage.fmus.declare.unit import Unit, load
 from towage.fmus.native.build import build_unit
 from towage.fmus.python.instance import Instance
-from towage.models.cable.units.wire import WIRE, prepare
+from towage.models.cable.units.wire import WIRE
+from towage.models.cable.units.wire_seen import prepare
 from towage.models.numeric.ops import FLOATS
 from towage.scene.compose import unit_of
 from towage.scene.resolve import described

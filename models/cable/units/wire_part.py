@@ -23,6 +23,8 @@ from .wire_ports import LEAST_ROOM, Modes
 from .wire_seen import Seen, observed, prepare, thickness, vectors
 
 AXES = ("x", "y", "z")
+MAKE: Any = namedtuple
+"""Of as many fields as the elements make."""
 HELD = ("payout_speed",)
 """Inputs whose rates x' would need, and that nothing in a composition may feed."""
 
@@ -52,7 +54,7 @@ class WirePart:
             f"node{k + 1}_{kind}{axis}"
             for kind, first in (("", 0), ("v", self._first)) for k in range(first, self._nodes) for axis in axes
         ]  # fmt: skip
-        self.State = namedtuple("State", [*nodes, "paid", *(f"top_{axis}" for axis in axes)])
+        self.State: Any = MAKE("State", [*nodes, "paid", *(f"top_{axis}" for axis in axes)])
 
     def model(self) -> AnyModel:
         """The part as a model; its parameters are ignored."""

@@ -136,7 +136,7 @@ def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs
     below = p.surface_height - rest[-1]
     level2 = needed[0] * needed[0] + needed[1] * needed[1]
     room = max(p.breaking_load - prepared.tensions[1], LEAST_ROOM)
-    return Outputs(
+    return Outputs._make((
         *excess, ops.sqrt(level2 + needed[2] * needed[2]), at_body, least, most, ops.atan2(needed[2], ops.sqrt(level2)),
         -body[2], -away[0], away[1], *(x for point in shape for x in point), *moved, *speed, *lower,
         prepared.chain.wire.length + seen.paid,
@@ -145,4 +145,4 @@ def observed(seen: Seen, prepared: Prepared, p: Parameters, ops: Ops) -> Outputs
         1.0 - seen.error / p.tolerance, 1.0 - ops.minimum(seen.bending, MOST_BENDING) / BENDING_LIMIT,
         ops.minimum(1.0, (p.surface_height - body[2]) / below) if below > 0.0 else 1.0,
         1.0 - seen.flow / (VISCOSITY * REYNOLDS_LIMIT), *speed,
-    )  # fmt: skip
+    ))  # fmt: skip
