@@ -12,6 +12,7 @@ import towage
 from towage.checks.verdict import GRAVITY
 from towage.report.format import moment, number, percent
 from towage.report.plots import Plotter
+from towage.report.shapes import shapes, wires
 from towage.report.svg import STANDALONE
 from towage.result.result import Result
 from towage.scene.scene import Scene, available_scenes
@@ -34,8 +35,8 @@ def measured(name: str, directory: Path) -> list[str]:
     ]  # fmt: skip
 
 
-def page(scene: Scene, name: str, results: list[Result], directory: Path) -> tuple[str, str | None]:
-    """(Markdown, SVG of the gravest case or None); ``directory`` has what was measured."""
+def page(scene: Scene, name: str, results: list[Result], directory: Path) -> tuple[str, dict[str, str]]:
+    """(Markdown, SVGs of the gravest case by their file's name); ``directory`` has what was measured."""
     gravest = min(results, key=lambda result: GRAVITY.index(result.verdict.word))
     plot = Plotter(gravest, name, 800)
     picture = plot.motions() or plot.tension() or next(iter(plot.others()[0]), None)
@@ -53,19 +54,26 @@ def page(scene: Scene, name: str, results: list[Result], directory: Path) -> tup
     if picture:
         case = f", {gravest.case}" if gravest.case else ""
         lines += ["", f"![{scene.title}{case}]({name}.svg)", "", f"The gravest case{case}."]
+    shown = {f"{name}.svg": picture} | {f"{name}_{w}.svg": shapes(gravest, w, f"{name}-{w}") for w in wires(gravest)}
+    pictures = {file: svg.replace("<svg ", STANDALONE, 1) for file, svg in shown.items() if svg}
+    lines += [
+        line for file in pictures if file != f"{name}.svg"
+        for line in ("", f"![Shape over time]({file})", "", "The shape, light to dark from start to end.")
+    ]  # fmt: skip
     lines += measured(name, directory)
     lines += ["", "## The scene file", "", "```toml", scene.source.strip(), "```"]
-    return "\n".join(lines) + "\n", picture and picture.replace("<svg ", STANDALONE, 1)
+    return "\n".join(lines) + "\n", pictures
 
 
 def write(name: str, directory: Path) -> None:
     """Runs every case of the shipped scene and writes its page."""
     scene = Scene.load(name)
-    text, picture = page(scene, name, [towage.run(name, case=case.name) for case in scene.cases] or [towage.run(name)], directory)
+    results = [towage.run(name, case=case.name) for case in scene.cases] or [towage.run(name)]
+    text, pictures = page(scene, name, results, directory)
     directory.mkdir(parents=True, exist_ok=True)
     (directory / f"{name}.md").write_text(text, encoding="utf-8")
-    if picture:
-        (directory / f"{name}.svg").write_text(picture, encoding="utf-8")
+    for file, svg in pictures.items():
+        (directory / file).write_text(svg, encoding="utf-8")
 
 
 def draw_readme(path: Path) -> None:

@@ -16,5 +16,13 @@ UNIT = Unit.of(
             "velocity_sway": "velocity_sway",
             "velocity_heave": "velocity_heave",
         },
+        "body": {
+            "force_surge": "lower_force_surge",
+            "force_sway": "lower_force_sway",
+            "force_heave": "lower_force_heave",
+            "velocity_surge": "lower_velocity_surge",
+            "velocity_sway": "lower_velocity_sway",
+            "velocity_heave": "lower_velocity_heave",
+        },
     },
 )

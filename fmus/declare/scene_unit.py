@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...models.compose.linear import can_be_part, linear_part
 from ...models.compose.model import compose
@@ -33,19 +33,23 @@ class Part(NamedTuple):
     def model(self) -> AnyModel:
         """The model that is composed."""
         model = self.unit.model
-        if not can_be_part(model):
+        if not self._matrices:
             return model.fixed({v.name: self.values.get(v.name, v.start or 0.0) for v in self._fixed})
         p = model.Parameters(**{v.name: self.values.get(v.name, v.start) for v in self.unit.parameters})
         try:
-            return linear_part(model, p)
+            return linear_part(model, p) if model.linear else _part(model, p)
         except CompositionError as error:
             raise CompositionError(f"{self.name}: {error}") from None
 
     @property
+    def _matrices(self) -> bool:
+        """Whether all parameters are fixed, as matrices or elements are made of them."""
+        return can_be_part(self.unit.model) or self.unit.model.part is not None
+
+    @property
     def _fixed(self) -> tuple[Variable, ...]:
         """Parameters from which matrices or tables are made when the scene is composed."""
-        every = can_be_part(self.unit.model)
-        return tuple(v for v in self.unit.parameters if every or v.name in self.unit.model.structure)
+        return tuple(v for v in self.unit.parameters if self._matrices or v.name in self.unit.model.structure)
 
     def full_name(self, variable: str) -> str:
         """The name of a variable in the scene."""
@@ -82,6 +86,9 @@ class Part(NamedTuple):
 def scene_unit(name: str, description: str, parts: Sequence[Part], connections: Sequence[Connection]) -> Unit:
     """The unit called ``name``. Raises `CompositionError` for what cannot be composed."""
     models = {part.name: part.model for part in parts}
+    for c in connections:
+        if c.target[1] in models[c.target[0]].held:
+            raise CompositionError(f"{c}: {c.target[0]} takes it as constant in a composition: set it as an input instead")
     model = compose(models, connections, name)
     connected = {c.target for c in connections}
     clock = (named("next_event_time", NEXT_EVENT),) if model.next_event_time else ()
@@ -103,6 +110,14 @@ def scene_unit(name: str, description: str, parts: Sequence[Part], connections: 
             if not any((part.name, variable) in connected for variable in members.values())
         },
     )  # fmt: skip
+
+
+def _part(model: AnyModel, p: Any) -> AnyModel:
+    """What stands for a model that steps by itself."""
+    assert model.part is not None
+    if refusal := model.refused(p):
+        raise CompositionError(refusal)
+    return model.part(p)
 
 
 def _dependencies(parts: Sequence[Part], connections: Sequence[Connection]) -> dict[str, tuple[str, ...]]:

@@ -4,6 +4,7 @@
     point_derivatives(same) -> dn/dg, dn/dg', dq/dg, dq/dv, dq/da         matrices column by column
     point_moment(slopes of r and u, second slope of r, u, b, water, paid, place, material) -> n, q times the half length
     point_moment_forward: the change of that, as CasADi's fwd1
+    point_bent(as the moment, without b) -> curvature squared, speed across; point_bent_forward: its change
 
 each in the plane and in space; of the moment its change alone is called. ``place`` is (half length at the start, share of the
 last section below, 1 if in it, length of that section).
@@ -17,11 +18,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ...models.cable.units.wire_ports import LEAST_ROOM
+from ...models.cable.units import wire_ports
 from ...models.cable.wire import grading, rest, stepper
 from ...models.cable.wire.chain import HAULED
 from ...models.cable.wire.elements import LARGEST_DEGREE, lagrange, legendre, rule
-from ...models.cable.wire.point import SMALL_SPEED2, Material, load, pull
+from ...models.cable.wire.point import SMALL_SPEED2, Material, bent, load, pull
 from ...models.cable.wire.tableaus import FOURTH, SECOND, THIRD, Tableau
 from ...models.numeric.tableaus import DORMAND_PRINCE_5
 from ..declare.interface import Interface
@@ -31,6 +32,8 @@ from .traced import OPS, Traced, column, dense, forward, parts
 
 MOST_STAGES = 6
 DIMENSIONS = (2, 3)
+LIMITS = ("STATIONS", "LEAST_ROOM", "BENDING_LIMIT", "MOST_BENDING", "REYNOLDS_LIMIT", "VISCOSITY")
+"""Of ``wire_ports.py``, which C takes."""
 
 
 def point_functions(d: int) -> dict[str, ca.Function]:
@@ -45,6 +48,8 @@ def point_functions(d: int) -> dict[str, ca.Function]:
         f"point_loads_{d}d": ca.Function(f"point_loads_{d}d", [g, rate, v, a, k], [n, q]),
         f"point_derivatives_{d}d": ca.Function(f"point_derivatives_{d}d", [g, rate, v, a, k], columns),
         f"point_moment_{d}d_forward": forward(_moment(d, k, material)),
+        f"point_bent_{d}d": _bent(d),
+        f"point_bent_{d}d_forward": forward(_bent(d)),
     }
 
 
@@ -64,6 +69,18 @@ def _moment(d: int, k: Any, material: Material) -> ca.Function:
     return ca.Function(
         f"point_moment_{d}d", [dr, du, ddr, u, b, water, paid, place, k], [dense(n), half * dense(q)]
     )  # fmt: skip
+
+
+def _bent(d: int) -> ca.Function:
+    """Of a moment, what bounds the model."""
+    dr, ddr, u, water = (column(name, d) for name in ("dr", "ddr", "u", "water"))
+    paid, place = column("paid", 3), column("place", 4)
+    start, share, grows, last = parts(place)
+    half = start * (1.0 + grows * paid[0] / last)
+    g, bend = dr / half, ddr / (half * half)
+    v = u - paid[1] * share * g - water
+    results = bent(tuple(parts(g)), tuple(parts(bend)), tuple(parts(v)), OPS)
+    return ca.Function(f"point_bent_{d}d", [dr, ddr, u, water, paid, place], [dense(results)])
 
 
 def trace_chain(unit: Unit) -> Traced:
@@ -103,9 +120,10 @@ def ports_source(unit: Unit, numbers: Any) -> str:
         return f"typedef struct {{\n{fields}}} {name};\n\n"
 
     sizes = {name: len(value) if isinstance(value, tuple) else 1 for name, value in numbers._asdict().items()}
+    limits = "".join(f"#define WIRE_{name} {getattr(wire_ports, name)!r}\n" for name in LIMITS)
     inputs = ", ".join(f"IN_{v.name.upper()}" for v in unit.inputs)
     return _header(
-        "wire_ports", f"enum {{ {inputs} }};\n\n#define WIRE_LEAST_ROOM {LEAST_ROOM!r}\n\n" + structure("WireNumbers", sizes)
+        "wire_ports", f"enum {{ {inputs} }};\n\n{limits}\n" + structure("WireNumbers", sizes)
         + structure("WireCalculated", {v.name: 1 for v in unit.calculated})
         + structure("WireOutputs", {v.name: 1 for v in unit.observed}),
     )  # fmt: skip

@@ -84,12 +84,14 @@ class Model(Record, Generic[P, X, M, U, Y]):
     * ``tuning_refusal(p)``: why tunable parameters may not change while the model runs with p; empty if they may.
 
     * ``numbers(p, ops)``: what the steps of a wire in C take, where ``floats_only`` functions have a native flavour all the same.
+    * ``part(p)``: the model with these parameters, numbers, whose states have rates, which stands for it in a composition.
 
     ``floats_only`` says why the functions cannot be traced, empty where they can. ``structure`` names parameters that decide
     sizes and tables, which a trace and a composition fix (`fixed`). ``takes_second``: ``outputs`` takes the
     second derivatives of the inputs after the first (parts of a composition alone). ``by_position``: components are read by
     position, so that plain tuples do for named ones. ``linear`` holds the matrices of a linear model; ``over(spelling)`` gives
-    a model that is made of others with these spelled anew.
+    a model that is made of others with these spelled anew. ``held`` names inputs whose rates x' would need, so that nothing in
+    a composition may feed them.
     """
 
     name: str
@@ -113,12 +115,14 @@ class Model(Record, Generic[P, X, M, U, Y]):
     refusal: Callable[[P], str] | None = None
     tuning_refusal: Callable[[P], str] | None = None
     numbers: Callable[[P, Ops], Sequence[Any]] | None = None
+    part: Callable[[P], AnyModel] | None = None
     floats_only: str = ""
     structure: tuple[str, ...] = ()
     takes_second: bool = False
     by_position: bool = False
     linear: LinearModel | None = None
     over: Callable[[Spelling], AnyModel] | None = None
+    held: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.linear is None and self.over is None:

@@ -14,7 +14,7 @@ from towage.models.protocol.variables import quantities
 
 FISH = {"wire_weight": 4.747156, "tow_speed": 3.0}
 """`fish_150m_3ms` of the reference cases."""
-STILL = Inputs(*[0.0] * 7)
+STILL = Inputs(*[0.0] * 10)
 
 
 def parameters(**changes: float) -> Parameters:

@@ -141,12 +141,12 @@ def has_wire(trial: Trial) -> bool:
 def coarse(trial: Trial) -> Trial:
     """The one wire with half its elements; of one element, with half the degree. Raises `Unfit`."""
     from towage.models.cable.case import CableError
-    from towage.models.cable.units import wire, wire_ports
+    from towage.models.cable.units import wire_parameters, wire_seen
 
     (name,) = (unit.name for unit in trial.units("wire"))
-    p = wire_ports.Parameters(**{field.name: trial.value(name, field.name) for field in fields(wire_ports.Parameters)})
+    p = wire_parameters.Parameters(**{field.name: trial.value(name, field.name) for field in fields(wire_parameters.Parameters)})
     try:
-        count = len(wire.prepare(p).chain.mesh.lengths)
+        count = len(wire_seen.prepare(p).chain.mesh.lengths)
     except CableError as error:
         raise Unfit(str(error)) from error
     if count > (2 if p.tail_length else 1):  # a section has an element at least

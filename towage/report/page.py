@@ -20,6 +20,7 @@ from towage.checks.verdict import GRAVITY
 from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, moment, number, page, percent, quantity, table
 from towage.report.plots import Plotter, roles
+from towage.report.shapes import shapes, wires
 from towage.report.tables import accuracy, card, checks, events, of_checks, statistics
 from towage.result.result import Item, Margin, Result
 from towage.terminal import escaped
@@ -186,6 +187,9 @@ def _figures(result: Result, key: str, buckets: int) -> str:
         (steps, "Communication steps", "Accepted steps; marks at the bottom are events.", response is not None),
     )
     shown = "".join(figure(svg, title, caption, half) for svg, title, caption, half in drawn if svg)
+    for unit in wires(result):
+        shape = shapes(result, unit, f"{key}-{unit}")
+        shown += figure(shape, f"Shape of {unit}", "Relative to the towpoint, light to dark from start to end.") if shape else ""
     others, omitted = plot.others()
     more = "".join(figure(svg, "", "") for svg in others)
     if omitted:

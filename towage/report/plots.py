@@ -10,6 +10,7 @@ import numpy as np
 
 from towage import reading
 from towage.report.format import number, scale
+from towage.report.shapes import columns
 from towage.report.svg import canvas, thin
 from towage.result.result import Array, Result
 
@@ -212,6 +213,7 @@ class Plotter:
     def others(self) -> tuple[list[str], int]:
         """What is not shown elsewhere, one diagram a unit of measure, and how many columns did not fit."""
         shown = {self.roles.driver, self.roles.motion, self.roles.tension, *(m.variable for m in self.result.margins)}
+        shown |= set(columns(self.result))
         groups: dict[str, list[str]] = {}
         for name in self.result.columns:
             if name not in shown:

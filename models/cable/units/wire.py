@@ -10,71 +10,35 @@ States: positions, velocities, accelerations of the nodes; the next internal ste
 accelerations before the last step; wire paid out; displacement of the towpoint. They are all there is: a state that is set
 back goes on to the last bit as before.
 
-Assumptions: those of ``cable/wire/point.py``; (6) no surface and no bottom; (7) the body is a point.
+With ``body_port`` the body is a unit of its own: its velocity comes in, the wire's force on it goes out.
+
+Assumptions: those of ``cable/wire/point.py``; (6) no surface and no bottom; (7) the body is a point; (8) drag coefficients do
+not change with the Reynolds number. What (1), (6) and (8) leave out, ``margin_bending``, ``_surface`` and ``_drag`` bound.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...numeric.arrays import Array
-from ...numeric.ops import Ops
-from ...protocol.model import Model, Requirement, remembered
-from ..case import CableError
+from ...numeric.ops import FLOATS, Ops
+from ...protocol.model import AnyModel, Model, Requirement
 from ..parameters import integral, refusal_by
-from ..wire.chain import Chain, Drive
-from ..wire.grading import MOST_ELEMENTS, graded_mesh
-from ..wire.rest import Frame, equilibrium, march
-from ..wire.stepper import State, Stepper
-from . import wire_ports
-from .wire_ports import LEAST_ROOM, Calculated, Inputs, Modes, Outputs, Parameters, flow_of, wire_of
+from ..wire.chain import Drive
+from ..wire.jacobian import derivatives
+from ..wire.stepper import State
+from . import wire_parameters
+from .wire_parameters import Parameters
+from .wire_part import WirePart
+from .wire_ports import LEAST_ROOM, Calculated, Inputs, Modes, Outputs
+from .wire_seen import Seen, observed, prepare, vectors
 
 
 def requirements(p: Parameters, ops: Ops) -> Sequence[Requirement]:
     """What the parameters must fulfil."""
-    return wire_ports.requirements(p, ops)
-
-
-class Prepared(NamedTuple):
-    """The chain and its stepper; the steady nodes (n, d), needed forces, N, tensions (least, largest, at the body), N; error
-    of the mesh at rest."""
-
-    chain: Chain
-    stepper: Stepper
-    nodes: Array
-    needed: Array
-    tensions: tuple[float, float, float]
-    error: float
-
-
-@remembered
-def prepare(p: Parameters) -> Prepared:
-    """What follows from the parameters. Raises `CableError`."""
-    wire, flow = wire_of(p), flow_of(p)
-    d = flow.velocity.shape[1]
-    zero = np.zeros(d)
-    # the frame of the flow is that of the tow: at rest nothing moves in it
-    frame, degree, count = Frame(zero), int(p.degree), int(p.elements)
-    shape = march(wire, flow, frame, d)
-    graded = graded_mesh(wire, shape, degree, count, p.tolerance)
-    if not count and graded.error > p.tolerance:
-        more = math.ceil(MOST_ELEMENTS * (graded.error / p.tolerance) ** (1.0 / (degree + 1.0)))
-        raise CableError(
-            f"elements: {MOST_ELEMENTS} of degree {degree} leave an error of {graded.error:.2g} of the length, about {more} "
-            f"would reach tolerance = {p.tolerance:g}: raise degree or tolerance"
-        )
-    chain = Chain(wire, graded.mesh, flow, d)
-    nodes = equilibrium(chain, frame, shape.position(graded.mesh.places))
-    drive, still = Drive(zero, zero, zero), np.zeros_like(nodes)
-    sizes = np.linalg.norm(chain.pulls(nodes, still, still, drive), axis=2)
-    return Prepared(
-        chain, Stepper(chain, p.velocity_tolerance, p.largest_step), nodes, chain.needed(nodes, still, still, drive),
-        (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), graded.error,
-    )  # fmt: skip
+    return wire_parameters.requirements(p, ops)
 
 
 def _packed(state: State, paid: float, top: Array) -> tuple[float, ...]:
@@ -105,14 +69,6 @@ def initial(p: Parameters, ops: Ops) -> tuple[tuple[float, ...], Modes]:
     return _packed(State(nodes, zero, zero), 0.0, zero[0]), Modes()
 
 
-def _vectors(u: Inputs | Sequence[Any], d: int) -> tuple[list[Any], Any, list[Any]]:
-    """(Velocity of the towpoint, winch speed, force on the body): inputs, or their cubics, by component."""
-    surge, sway, heave, payout, force_surge, force_sway, force_heave = u
-    if d == 3:
-        return [surge, sway, heave], payout, [force_surge, force_sway, force_heave]
-    return [surge, heave], payout, [force_surge, force_heave]
-
-
 def _value(c: Sequence[float], s: float) -> float:
     return c[0] + s * (c[1] + s * (c[2] + s * c[3]))
 
@@ -128,13 +84,18 @@ def advance(
     prepared = prepare(p)
     d = prepared.chain.dimensions
     state, paid, top = _unpacked(x, prepared.chain.mesh.nodes, d)
-    velocity, winch, force = _vectors(cubics, d)
+    velocity, winch, force, lower = vectors(cubics, d)
+    start = state.position[0] if prepared.chain.wire.body is None else None
 
     def motion(s: float) -> Drive:
+        held = None if start is None else (
+            start + np.array([integral(s, c) for c in lower]), np.array([_value(c, s) for c in lower]),
+            np.array([_rate(c, s) for c in lower]),
+        )  # fmt: skip
         return Drive(
             top + np.array([integral(s, c) for c in velocity]), np.array([_value(c, s) for c in velocity]),
             np.array([_rate(c, s) for c in velocity]), (paid + integral(s, winch), _value(winch, s), _rate(winch, s)),
-            np.array([_value(c, s) for c in force]),
+            np.array([_value(c, s) for c in force]), held,
         )  # fmt: skip
 
     state = prepared.stepper.advance(0.0, h, state, motion)
@@ -148,48 +109,48 @@ def outputs(
     prepared = prepare(p)
     chain, d = prepared.chain, prepared.chain.dimensions
     state, paid, top = _unpacked(x, chain.mesh.nodes, d)
-    velocity, winch, force = _vectors(u, d)
-    change, winch_change, _ = _vectors(du, d)
+    velocity, winch, force, lower = vectors(u, d)
+    change, winch_change, _, lower_change = vectors(du, d)
     drive = Drive(top, np.array(velocity), np.array(change), (paid, winch, winch_change), np.array(force))
     r, v, a = state.position, state.velocity.copy(), state.acceleration.copy()
     v[-1], a[-1] = drive.velocity, drive.acceleration
-    needed = chain.needed(r, v, a, drive)[-1]
-    sizes = np.linalg.norm(chain.pulls(r, v, a, drive), axis=2)
-    least, most = float(sizes.min()), float(sizes.max())
-    away, moved, excess = r[0] - top, r[0] - prepared.nodes[0], needed - prepared.needed[-1]
-
-    def side(vector: Array) -> float:
-        """Component to port; a plane has none."""
-        return float(vector[1]) if d == 3 else 0.0
-
-    error = chain.shape_error(r, drive.paid)
-    speed = (float(v[0, 0]), side(v[0]), float(v[0, -1]))
-    return Outputs(
-        float(excess[0]), side(excess), float(excess[-1]), float(np.linalg.norm(needed)), float(sizes[0, 0]), least, most,
-        math.atan2(float(needed[-1]), math.hypot(float(needed[0]), side(needed))), -float(r[0, -1]), -float(away[0]),
-        side(away), float(moved[0]), side(moved), float(moved[-1]), *speed, chain.wire.length + paid,
-        min(1.0, least / prepared.tensions[0]),
-        (p.breaking_load - most) / max(p.breaking_load - prepared.tensions[1], LEAST_ROOM) if p.breaking_load > 0.0 else 1.0,
-        1.0 - error / p.tolerance, *speed,
+    if chain.wire.body is None:
+        v[0], a[0] = lower, lower_change
+    look = chain.look(r, v, a, drive)
+    needed, sizes = look.needed, np.linalg.norm(look.pulls, axis=2)
+    curvature2, across = chain.bends(look)
+    stiff, diameter = prepared.thickness
+    seen = Seen(
+        needed[-1].tolist(), needed[0].tolist(), (float(sizes.min()), float(sizes.max()), float(sizes[0, 0])), r[0].tolist(),
+        v[0].tolist(), top.tolist(), paid, chain.shape_error(r, drive.paid),
+        float((stiff * curvature2 / (sizes + LEAST_ROOM)).max()), float((diameter * across).max()),
+        (prepared.stations @ r).tolist(),
     )  # fmt: skip
+    return observed(seen, prepared, p, FLOATS)
 
 
 def calculated(p: Parameters, ops: Ops) -> Calculated:
     """Of the steady tow; ``port_mass``: of the node at the top, in heave."""
     prepared = prepare(p)
     chain, still = prepared.chain, np.zeros_like(prepared.nodes)
-    mass = chain.derivatives(prepared.nodes, still, still)[2]
+    mass = derivatives(chain, prepared.nodes, still, still)[2]
     return Calculated(
         float(mass[-1, -1, -1, -1, -1]), float(np.linalg.norm(prepared.needed[-1])), prepared.tensions[2],
         -float(prepared.nodes[0, -1]), float(len(chain.mesh.lengths)), prepared.error,
     )  # fmt: skip
 
 
+def part(p: Parameters) -> AnyModel:
+    """The wire of these parameters with rates of its states, for compositions."""
+    return WirePart(WIRE, p).model()
+
+
 WIRE = Model(
     "wire",
-    "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space",
+    "Nonlinear wire with a body, hanging, towed or turning: large motions, slack, payout, in the plane or in space; no model "
+    "exchange, since its number of states follows from its parameters (a scene of it as one unit has it)",
     Parameters, None, Modes, Inputs, Outputs, Calculated,
     initial=initial, advance=advance, outputs=outputs, calculated=calculated, requirements=requirements,
-    refusal=refusal_by(prepare), numbers=wire_ports.numbers,
+    refusal=refusal_by(prepare), numbers=wire_parameters.numbers, part=part,
     floats_only="its implicit steps are divided and iterated as the numbers demand, which a trace cannot follow",
 )  # fmt: skip

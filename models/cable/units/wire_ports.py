@@ -1,77 +1,26 @@
-"""Ports of the unit ``wire``: parameters, inputs, outputs; what they describe in the terms of ``cable/wire``."""
+"""Ports of the unit ``wire``: inputs, outputs, calculated parameters."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
-from ...numeric.ops import FLOATS, Ops, Value
-from ...protocol.model import Requirement
-from ...protocol.physical import liquid, weight_below_gravity
-from ...protocol.variables import Quantity, Rate, calculated_parameter, input_variable, margin, output, parameter
-from ..loading import Loading, eames
-from ..wire.parts import Flow, Mass, Section, Wire, cross_flow_terms
+from ...numeric.ops import Value
+from ...protocol.variables import Quantity, Rate, calculated_parameter, error_margin, input_variable, margin, output
 from .ports import SteadyTensionBody, SteadyTensionTop
 
 VELOCITIES = ("velocity_surge", "velocity_sway", "velocity_heave", "payout_speed")
 FORCES = ("body_force_surge", "body_force_sway", "body_force_heave")
-ALL = (*VELOCITIES, *FORCES)
+LOWER = ("lower_velocity_surge", "lower_velocity_sway", "lower_velocity_heave")
+ALL = (*VELOCITIES, *FORCES, *LOWER)
+STATIONS = 5
+"""Places between body and towpoint that show the shape."""
+AT_BODY = (*FORCES, *LOWER)
 LEAST_ROOM = 1e-9
 """Steady room to the breaking load, N, where there is none."""
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """The wire from the towpoint down, a tail behind it (an array, a drogue line), a clump at their joint, the body at the
-    end, the water; and how the wire is divided in space and time. SI."""
-
-    tow_speed: Annotated[Value, parameter("m/s", 3.0, "Speed of the towing frame; 0: hanging", display="kn", min=0.0)]
-    water_density: Annotated[Value, parameter("kg/m3", 1025.0, "Density of the water", min=0.0)]
-    in_space: Annotated[Value, parameter("1", 0.0, "1: in space; 0: in the vertical plane of towing", min=0.0, max=1.0)]
-    loading_form: Annotated[Value, parameter("1", 1.0, "0: Eames (friction); 1: cross-flow", min=0.0, max=1.0)]
-    wire_length: Annotated[Value, parameter("m", 150.0, "Unstretched length at the start", display="ft", min=1e-3)]
-    wire_mass: Annotated[Value, parameter("kg/m", 0.6, "Mass per length", min=1e-9)]
-    wire_weight: Annotated[Value, parameter("N/m", 4.75, "Weight in water per length")]
-    wire_diameter: Annotated[Value, parameter("m", 0.012, "Diameter", display="mm", min=0.0)]
-    wire_axial_stiffness: Annotated[Value, parameter("N", 8e6, "Axial stiffness EA", min=1e-9)]
-    wire_normal_drag: Annotated[Value, parameter("1", 1.5, "Drag coefficient across the wire", min=0.0)]
-    wire_tangential_drag: Annotated[
-        Value, parameter("1", 0.01, "Cdt of the cross-flow form (times pi d), or Eames' friction f", min=0.0)
-    ]
-    wire_damping: Annotated[Value, parameter("N.s", 0.0, "Internal damping, acts in tension", min=0.0)]
-    breaking_load: Annotated[Value, parameter("N", 0.0, "Breaking load of the wire; 0: not known", min=0.0)]
-    added_mass_coefficient: Annotated[Value, parameter("1", 1.0, "Added mass over displaced mass, wire and tail", min=0.0)]
-    tail_length: Annotated[Value, parameter("m", 0.0, "Length of the tail below the wire; 0: none", min=0.0)]
-    tail_mass: Annotated[Value, parameter("kg/m", 1.29, "Mass per length of the tail", min=1e-9)]
-    tail_weight: Annotated[Value, parameter("N/m", 0.0, "Weight in water per length of the tail")]
-    tail_diameter: Annotated[Value, parameter("m", 0.04, "Diameter of the tail", display="mm", min=0.0)]
-    tail_axial_stiffness: Annotated[Value, parameter("N", 2e6, "Axial stiffness EA of the tail", min=1e-9)]
-    tail_normal_drag: Annotated[Value, parameter("1", 1.2, "Drag coefficient across the tail", min=0.0)]
-    tail_tangential_drag: Annotated[Value, parameter("1", 0.0035, "As of the wire", min=0.0)]
-    clump_mass: Annotated[Value, parameter("kg", 0.0, "Mass at the joint of wire and tail", min=0.0)]
-    clump_added_mass: Annotated[Value, parameter("kg", 0.0, "Its added mass", min=0.0)]
-    clump_weight: Annotated[Value, parameter("N", 0.0, "Its weight in water; a buoy: negative")]
-    clump_drag_area: Annotated[Value, parameter("m2", 0.0, "Its drag area", min=0.0)]
-    body_mass: Annotated[Value, parameter("kg", 800.0, "Mass of the body", min=0.0)]
-    body_added_mass: Annotated[Value, parameter("kg", 300.0, "Its added mass", min=0.0)]
-    body_weight: Annotated[Value, parameter("N", 5000.0, "Its weight in water")]
-    body_drag_area: Annotated[Value, parameter("m2", 0.3, "Its drag area", min=0.0)]
-    current_surge: Annotated[Value, parameter("m/s", 0.0, "Current at the towpoint, along the towing direction")]
-    current_sway: Annotated[Value, parameter("m/s", 0.0, "Current at the towpoint, to port; needs in_space")]
-    current_depth: Annotated[
-        Value, parameter("m", 0.0, "Depth below the towpoint at which the current has ended, falling linearly; 0: never", min=0.0)
-    ]
-    elements: Annotated[Value, parameter("1", 0.0, "Number of elements; 0: as many as tolerance needs", min=0.0, max=400.0)]
-    degree: Annotated[Value, parameter("1", 4.0, "Degree of the elements; 1: lumped masses", min=1.0, max=6.0)]
-    tolerance: Annotated[
-        Value, parameter("1", 1e-4, "Error of the shape by the elements over the length", min=1e-10, max=0.1)
-    ]
-    velocity_tolerance: Annotated[
-        Value, parameter("m/s", 1e-3, "Error of the velocities in an internal step", min=1e-9, max=1.0)
-    ]
-    largest_step: Annotated[Value, parameter("s", 2.0, "Largest internal step", min=1e-6)]
+BENDING_LIMIT, MOST_BENDING = 0.05, 10.0
+"""Error of the tension by bending at which `margin_bending` is 0, and the largest that is told (a slack wire has any)."""
+REYNOLDS_LIMIT, VISCOSITY = 2e5, 1.2e-6
+"""Reynolds number at which the drag of a smooth cylinder begins to fall; kinematic viscosity of sea water at 13 deg C, m2/s."""
 
 
 class Modes(NamedTuple):
@@ -82,8 +31,15 @@ def _force(direction: str) -> Quantity:
     return input_variable("N", f"Force on the body, {direction}", unset="no force but weight, drag and the wire's")
 
 
+def _lower(direction: str) -> Quantity:
+    return input_variable(
+        "m/s", f"Velocity of the wire's lower end in the towing frame, {direction}; with body_port = 1",
+        unset="the body on board, or with body_port = 1 a lower end that does not move so",
+    )  # fmt: skip
+
+
 class Inputs(NamedTuple):
-    """Velocity of the towpoint in the towing frame, winch speed, forces on the body."""
+    """Velocity of the towpoint in the towing frame, winch speed, forces on the body, velocity of a body of its own."""
 
     velocity_surge: Annotated[
         Value,
@@ -99,6 +55,24 @@ class Inputs(NamedTuple):
     body_force_surge: Annotated[Value, _force("forward")]
     body_force_sway: Annotated[Value, _force("to port")]
     body_force_heave: Annotated[Value, _force("up")]
+    lower_velocity_surge: Annotated[Value, _lower("forward")]
+    lower_velocity_sway: Annotated[Value, _lower("to port")]
+    lower_velocity_heave: Annotated[Value, _lower("up")]
+
+
+def _lower_force(direction: str) -> Quantity:
+    return output(
+        "N", f"Excess of the wire's force on the body over its steady value, {direction}; 0 with the body on board",
+        also=(*LOWER, *VELOCITIES),
+    )  # fmt: skip
+
+
+def _body_velocity(direction: str) -> Quantity:
+    return output("m/s", f"Velocity of the body in the towing frame, {direction}", also=LOWER)
+
+
+def _shape(k: int, what: str) -> Quantity:
+    return output("m", f"Shape, {k}/{STATIONS + 1} of the length from the body up: {what}")
 
 
 class Outputs(NamedTuple):
@@ -114,7 +88,7 @@ class Outputs(NamedTuple):
         Value, output("N", "Excess of the wire's pull over its steady value, down on the towpoint", also=VELOCITIES)
     ]
     tension_top: Annotated[Value, output("N", "Tension at the towpoint", also=VELOCITIES)]
-    tension_body: Annotated[Value, output("N", "Tension at the body", also=FORCES)]
+    tension_body: Annotated[Value, output("N", "Tension at the body", also=AT_BODY)]
     tension_least: Annotated[Value, output("N", "Least tension in the wire", also=ALL)]
     tension_most: Annotated[Value, output("N", "Largest tension in the wire", also=ALL)]
     angle_top: Annotated[
@@ -123,18 +97,54 @@ class Outputs(NamedTuple):
     depth: Annotated[Value, output("m", "Depth of the body below the towpoint's mean height")]
     layback: Annotated[Value, output("m", "Distance of the body behind the towpoint")]
     offset: Annotated[Value, output("m", "Distance of the body to port of the towpoint")]
+    shape1_layback: Annotated[Value, _shape(1, "distance behind the towpoint")]
+    shape1_offset: Annotated[Value, _shape(1, "distance to port of the towpoint")]
+    shape1_depth: Annotated[Value, _shape(1, "depth below the towpoint's mean height")]
+    shape2_layback: Annotated[Value, _shape(2, "distance behind the towpoint")]
+    shape2_offset: Annotated[Value, _shape(2, "distance to port of the towpoint")]
+    shape2_depth: Annotated[Value, _shape(2, "depth below the towpoint's mean height")]
+    shape3_layback: Annotated[Value, _shape(3, "distance behind the towpoint")]
+    shape3_offset: Annotated[Value, _shape(3, "distance to port of the towpoint")]
+    shape3_depth: Annotated[Value, _shape(3, "depth below the towpoint's mean height")]
+    shape4_layback: Annotated[Value, _shape(4, "distance behind the towpoint")]
+    shape4_offset: Annotated[Value, _shape(4, "distance to port of the towpoint")]
+    shape4_depth: Annotated[Value, _shape(4, "depth below the towpoint's mean height")]
+    shape5_layback: Annotated[Value, _shape(5, "distance behind the towpoint")]
+    shape5_offset: Annotated[Value, _shape(5, "distance to port of the towpoint")]
+    shape5_depth: Annotated[Value, _shape(5, "depth below the towpoint's mean height")]
     body_surge: Annotated[Value, output("m", "Displacement of the body from the steady tow, forward")]
     body_sway: Annotated[Value, output("m", "Displacement of the body from the steady tow, to port")]
     body_heave: Annotated[Value, output("m", "Displacement of the body from the steady tow, up")]
-    body_velocity_surge: Annotated[Value, output("m/s", "Velocity of the body in the towing frame, forward")]
-    body_velocity_sway: Annotated[Value, output("m/s", "Velocity of the body, to port")]
-    body_velocity_heave: Annotated[Value, output("m/s", "Velocity of the body, up")]
+    body_velocity_surge: Annotated[Value, _body_velocity("forward")]
+    body_velocity_sway: Annotated[Value, _body_velocity("to port")]
+    body_velocity_heave: Annotated[Value, _body_velocity("up")]
+    lower_force_surge: Annotated[Value, _lower_force("forward")]
+    lower_force_sway: Annotated[Value, _lower_force("to port")]
+    lower_force_heave: Annotated[Value, _lower_force("up")]
     length: Annotated[Value, output("m", "Unstretched length of wire and tail")]
     margin_slack: Annotated[Value, margin("least tension over its steady value, at most 1", also=ALL)]
     margin_breaking: Annotated[
         Value, margin("(breaking load - largest tension) over its steady value; 1 where no breaking load is given", also=ALL)
     ]
     margin_resolution: Annotated[Value, margin("1 - error of the present shape by the elements / tolerance")]
+    margin_bending: Annotated[
+        Value,
+        error_margin(
+            "of the tension, by bending that the model leaves out: largest EI curvature^2/T where EI is given",
+            100.0 * BENDING_LIMIT, "smaller motions, or more tension at the end that hangs loose",
+            also=ALL,
+        ),
+    ]  # fmt: skip
+    margin_surface: Annotated[
+        Value,
+        margin("depth of the body below the surface over its steady value, at most 1: the model has no surface; 1 where the "
+               "steady body is above surface_height"),
+    ]  # fmt: skip
+    margin_drag: Annotated[
+        Value,
+        margin(f"1 - largest Reynolds number of the flow across the wire / {REYNOLDS_LIMIT:g}, where the drag coefficient of "
+               "a smooth cylinder begins to fall", also=ALL),
+    ]  # fmt: skip
     body_surge_rate: Rate
     body_sway_rate: Rate
     body_heave_rate: Rate
@@ -149,117 +159,3 @@ class Calculated(NamedTuple):
     steady_depth: Annotated[Value, calculated_parameter("m", "Steady depth of the body")]
     elements_used: Annotated[Value, calculated_parameter("1", "Number of elements")]
     mesh_error: Annotated[Value, calculated_parameter("1", "Error of the steady shape by the elements over the length")]
-
-
-def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
-    """What the parameters must fulfil: weights below those in air, a known loading."""
-    form = ops.where(p.loading_form * (p.loading_form - 1.0) == 0.0, 1.0, 0.0)
-    found = [
-        weight_below_gravity(p.wire_weight, p.wire_mass, p.water_density, "wire_weight", "wire_mass", ops),
-        weight_below_gravity(p.tail_weight, p.tail_mass, p.water_density, "tail_weight", "tail_mass", ops),
-        weight_below_gravity(p.body_weight, p.body_mass, p.water_density, "body_weight", "body_mass", ops),
-        weight_below_gravity(p.clump_weight, p.clump_mass, p.water_density, "clump_weight", "clump_mass", ops),
-        liquid(p.water_density, ops),
-    ]
-    return [
-        (form, "loading_form: expected 0 (Eames) or 1 (cross-flow)"),
-        (
-            ops.where(p.in_space > 0.5, 1.0, ops.where(p.current_sway == 0.0, 1.0, 0.0)),
-            "current_sway pushes the wire out of the vertical plane: set in_space = 1",
-        ),
-        *found,
-    ]  # fmt: skip
-
-
-def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
-    """(Tail, wire), the tail of whatever length."""
-
-    def section(length: Value, mass: Value, weight: Value, diameter: Value, stiffness: Value, normal: Value,
-                along: Value) -> Section:
-        friction, across = eames(along), cross_flow_terms(normal, along)
-        of_eames = tuple(tuple(normal * c for c in row) for row in (friction.normal, friction.tangential))
-        terms = (
-            tuple(ops.where(p.loading_form < 0.5, e, c) for e, c in zip(one, other))
-            for one, other in zip(of_eames, (across.normal, across.tangential))
-        )
-        return Section(
-            length, mass, weight, diameter, stiffness, 1.0, Loading(*terms), p.added_mass_coefficient, p.wire_damping,
-        )  # fmt: skip
-
-    return (
-        section(p.tail_length, p.tail_mass, p.tail_weight, p.tail_diameter, p.tail_axial_stiffness, p.tail_normal_drag,
-                p.tail_tangential_drag),
-        section(p.wire_length, p.wire_mass, p.wire_weight, p.wire_diameter, p.wire_axial_stiffness, p.wire_normal_drag,
-                p.wire_tangential_drag),
-    )  # fmt: skip
-
-
-def _masses(p: Parameters) -> tuple[tuple[Value, ...], tuple[Value, ...]]:
-    """(Body, clump), as `Mass` takes them."""
-    return (
-        (p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area),
-        (p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area),
-    )
-
-
-def wire_of(p: Parameters) -> Wire:
-    """The wire that the parameters describe. Raises `CableError`."""
-    (tail, wire), (body, clump) = _sections(p, FLOATS), (Mass(*each) for each in _masses(p))
-    if p.tail_length > 0.0:
-        return Wire((tail, wire), body, p.water_density, ((p.tail_length, clump),))
-    return Wire((wire,), body, p.water_density)
-
-
-def _flow(p: Parameters, ops: Ops) -> tuple[Value, tuple[Value, ...], tuple[Value, ...]]:
-    """(1 where the current changes with depth, else 0; velocity of the water in the towing frame at the lower level and above
-    the upper one, of three components)."""
-    current = (p.current_surge, p.current_sway, 0.0)
-    changes = ops.where(p.current_depth * (ops.abs(p.current_surge) + ops.abs(p.current_sway)) > 0.0, 1.0, 0.0)
-    above = (current[0] - p.tow_speed, current[1], 0.0)
-    below = (above[0] - changes * current[0], above[1] - changes * current[1], 0.0)
-    return changes, below, above
-
-
-def flow_of(p: Parameters) -> Flow:
-    """Current in the towing frame."""
-    changes, *velocities = _flow(p, FLOATS)
-    kept = [0, 1, 2] if p.in_space > 0.5 else [0, 2]
-    table = np.array(velocities, float)[:, kept]
-    return Flow(np.array([-p.current_depth, 0.0]), table) if changes else Flow(np.zeros(1), table[1:])
-
-
-class Numbers(NamedTuple):
-    """What the steps in C take (``fmus/native/runtime/chain/wire.h``): ``levels`` of the flow at the heights ``level``, its
-    velocities one after the other; masses of three components, weight, drag of `point.Fixture`."""
-
-    dimensions: Value
-    elements: Value
-    degree: Value
-    tolerance: Value
-    velocity_tolerance: Value
-    largest_step: Value
-    breaking_load: Value
-    tail_length: Value
-    wire_length: Value
-    levels: Value
-    tail: tuple[Value, ...]
-    wire: tuple[Value, ...]
-    body: tuple[Value, ...]
-    clump: tuple[Value, ...]
-    level: tuple[Value, ...]
-    flow: tuple[Value, ...]
-
-
-def numbers(p: Parameters, ops: Ops) -> Numbers:
-    """Of the wire that the parameters describe."""
-    (tail, wire), masses = _sections(p, ops), _masses(p)
-    changes, below, above = _flow(p, ops)
-    body, clump = (
-        (*([mass + added] * 3), weight, 0.5 * p.water_density * area) for mass, added, weight, area in masses
-    )
-    return Numbers(
-        ops.where(p.in_space > 0.5, 3.0, 2.0), p.elements, p.degree, p.tolerance, p.velocity_tolerance, p.largest_step,
-        p.breaking_load, p.tail_length, p.wire_length, 1.0 + changes, tail.material(p.water_density),
-        wire.material(p.water_density), body, clump, (-p.current_depth, 0.0),
-        (*(ops.where(changes > 0.5, b, a) for b, a in zip(below, above)), *above),
-    )  # fmt: skip

@@ -24,15 +24,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numeric.arrays import AnyArray, Array
-from ...numeric.ops import Ops, arrays
+from ...numeric.ops import FLOATS, Ops, arrays
 from ..case import CableError
 from .elements import Rule, legendre, rule
 from .mesh import Mesh
 from .parts import Flow, Wire
-from .point import Fixture, Material, Vector, fixture_load, load, pull
+from .point import Fixture, Material, Vector, bent, fixture_load, load, pull
 
-STEP = 1e-150
-"""Complex step of derivatives, exact to rounding."""
 HAULED = 1e-3
 """Share of the last section that cannot be hauled in."""
 
@@ -54,11 +52,12 @@ class Drive(NamedTuple):
     lower: tuple[Array, Array, Array] | None = None
 
 
-def _components(vectors: AnyArray) -> Vector:
+def components(vectors: AnyArray) -> Vector:
+    """Of vectors (..., d), arrays (...)."""
     return tuple(vectors[..., k] for k in range(vectors.shape[-1]))
 
 
-def _joined(components: Vector) -> AnyArray:
+def joined(components: Vector) -> AnyArray:
     """The array of components, which may be numbers where others are arrays."""
     first = components[0]
     vectors: AnyArray = np.empty((*first.shape, len(components)), first.dtype)
@@ -68,17 +67,28 @@ def _joined(components: Vector) -> AnyArray:
 
 
 def _spread(material: Sequence[Material], section: AnyArray) -> Material:
-    return Material(*(np.array(column)[section][:, None] for column in zip(*material)))
+    return Material(*(np.array(column)[section][:, None] if any(column) else 0.0 for column in zip(*material)))
 
 
 class Lengths(NamedTuple):
-    """Half of the elements' lengths, m, (E, 1); movement of points over the material: sigma, m/s, (E, p+1), its slope over s,
-    1/s, (E, 1), and its rate, m/s2."""
+    """Half of the elements' lengths, m, (E, 1), and its share at points, (E, p+1, 1); movement of points over the material:
+    sigma, m/s, (E, p+1), its slope over s, 1/s, (E, 1), and its rate, m/s2."""
 
     half: Array
+    shares: Array
     slide: Array
     slide_slope: Array
     slide_rate: Array
+
+
+class Look(NamedTuple):
+    """What is read off a motion: forces ``needed`` at the nodes, N, (n, d); ``pulls`` at points, N, and d2r/ds2, 1/m,
+    (E, p+1, d); ``parts``: dr/ds, its rate, velocity through the water, acceleration there."""
+
+    needed: Array
+    pulls: Array
+    bend: Array
+    parts: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -109,7 +119,16 @@ class Chain:
         nodes = np.array([int(np.abs(self.mesh.places - s).argmin()) for s, _ in parts], dtype=int)
         found = [mass.fixture(self.wire.density, self.dimensions) for _, mass in parts]
         masses = np.array([f.masses for f in found]).reshape(-1, self.dimensions)
-        return nodes, Fixture(_components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+        return nodes, Fixture(components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+
+    @cached_property
+    def fixed(self) -> list[tuple[int, Fixture]]:
+        """The same one by one, of numbers."""
+        nodes, all_of = self.fixtures
+        return [
+            (int(node), Fixture(tuple(float(m[k]) for m in all_of.masses), float(all_of.weight[k]), float(all_of.drag[k])))
+            for k, node in enumerate(nodes)
+        ]
 
     @cached_property
     def free(self) -> slice:
@@ -140,7 +159,8 @@ class Chain:
         grows = (self.mesh.section == len(self.wire.sections) - 1)[:, None]
         factor = np.where(grows, 1.0 + added / last, 1.0)
         slope = np.where(grows, rate / (last + added), 0.0)
-        return Lengths(0.5 * factor * self.mesh.lengths[:, None], rate * self._shares, slope, change * self._shares)
+        half = 0.5 * factor * self.mesh.lengths[:, None]
+        return Lengths(half, (self.rule.weights * half)[:, :, None], rate * self._shares, slope, change * self._shares)
 
     def gather(self, nodes: AnyArray) -> AnyArray:
         """Values at nodes (n, d) -> at points (E, p+1, d)."""
@@ -162,10 +182,11 @@ class Chain:
 
     def slope(self, points: Array, half: Array) -> Array:
         """d/ds of points' values (E, p+1, d)."""
-        derivative: Array = (self.rule.slopes @ points) / half[:, :, None]
+        derivative: Array = self.rule.slopes @ points
+        derivative /= half[:, :, None]
         return derivative
 
-    def _material(self, r: Array, u: Array, b: Array, sizes: Lengths, paid: bool) -> tuple[Array, ...]:
+    def at_points(self, r: Array, u: Array, b: Array, sizes: Lengths, paid: bool) -> tuple[Array, ...]:
         """(g, its rate, velocity through the water, acceleration of the material) at points."""
         places, v, a = self.gather(r), self.gather(u), self.gather(b)
         g, rate = self.slope(places, sizes.half), self.slope(v, sizes.half)
@@ -176,35 +197,45 @@ class Chain:
             a = a - sizes.slide_rate[:, :, None] * g
             v = v - sigma * g
             rate = rate - stretch_rate * g
-        return g, rate, v - self._water(places[..., -1]), a
+        return g, rate, v - self.water(places[..., -1]), a
 
-    def _water(self, z: AnyArray) -> Array:
+    def water(self, z: AnyArray) -> Array:
         """Velocity of the water at heights, (..., d), or (d,) where it is the same at all."""
         if len(self.flow.z) == 1:
             everywhere: Array = self.flow.velocity[0]
             return everywhere
+        z = np.asarray(z)
         return self.flow.at(z.ravel())[0].reshape(*z.shape, self.dimensions)
 
-    def _loads(self, r: Array, u: Array, b: Array, drive: Drive, sizes: Lengths) -> tuple[Array, Array]:
+    def _point_loads(self, parts: tuple[Array, ...]) -> tuple[Array, Array]:
         """(n, q) at points."""
-        g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, any(drive.paid[1:])))
-        n = _joined(pull(g, rate, self.material, self.ops)[0])
-        return n, _joined(load(g, v, a, self.material, self.ops))
+        g, rate, v, a = map(components, parts)
+        n = joined(pull(g, rate, self.material, self.ops)[0])
+        return n, joined(load(g, v, a, self.material, self.ops))
 
     def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""
+        return self.look(r, u, b, drive).pulls
+
+    def look(self, r: Array, u: Array, b: Array, drive: Drive) -> Look:
+        """All that is read off a motion."""
         sizes = self.lengths(drive.paid)
-        q = self._loads(r, u, b, drive, sizes)[1]
-        within = sizes.half[:, :, None] * (self.rule.integrals @ q)
+        parts = self.at_points(r, u, b, sizes, any(drive.paid[1:]))
+        n, q = self._point_loads(parts)
         nodes, loads = self.fixture_loads(r, u, b, drive.force)
+        needed = self._gathered(n, q, sizes, nodes, loads)
+        within = sizes.half[:, :, None] * (self.rule.integrals @ q)
         start = np.zeros((len(within), self.dimensions))
         start[1:] = np.cumsum(within[:-1, -1], axis=0)
         if self.wire.body is None:
-            start -= self.needed(r, u, b, drive)[0]
+            start -= needed[0]
         for node, weight in zip(nodes, loads):
             start[node // self.mesh.degree :] += weight
-        total: Array = start[:, None, :] + within
-        return total
+        return Look(needed, start[:, None, :] + within, self.slope(parts[0], sizes.half), parts)
+
+    def bends(self, look: Look) -> tuple[AnyArray, AnyArray]:
+        """(Curvature squared, 1/m2; speed of the water across the wire, m/s) at points, (E, p+1)."""
+        return bent(components(look.parts[0]), components(look.bend), components(look.parts[2]), self.ops)
 
     def shape_error(self, r: Array, paid: Paid = NOTHING_PAID) -> float:
         """Error of positions by the elements over the length, from the last two Legendre coefficients of dr/ds: their sizes
@@ -222,76 +253,28 @@ class Chain:
     def needed(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """R, N, (n, d), for positions, velocities and accelerations of the nodes."""
         sizes = self.lengths(drive.paid)
-        n, q = self._loads(r, u, b, drive, sizes)
-        weights = self.rule.weights
-        points = self.rule.slopes.T @ (weights[:, None] * n) + (weights * sizes.half)[:, :, None] * q
-        total = self.scatter(points)
-        nodes, loads = self.fixture_loads(r, u, b, drive.force)
+        n, q = self._point_loads(self.at_points(r, u, b, sizes, any(drive.paid[1:])))
+        return self._gathered(n, q, sizes, *self.fixture_loads(r, u, b, drive.force))
+
+    def _gathered(self, n: Array, q: Array, sizes: Lengths, nodes: AnyArray, loads: Array) -> Array:
+        """R from loads at points and on what is fixed to nodes."""
+        total = self.scatter(self._weighted @ n + sizes.shares * q)
         total[nodes] += loads
         return total
 
+    @cached_property
+    def _weighted(self) -> Array:
+        """D' w."""
+        weighted: Array = self.rule.slopes.T * self.rule.weights
+        return weighted
+
     def fixture_loads(self, r: Array, u: Array, b: Array, force: Array | None) -> tuple[AnyArray, Array]:
         """(Nodes, resisting loads on them, N): what is fixed to the wire."""
-        nodes, fixture = self.fixtures
-        if not len(nodes):
-            return nodes, np.zeros((0, self.dimensions))
-        v = u[nodes] - self._water(r[nodes, -1])
-        loads = _joined(fixture_load(_components(v), _components(b[nodes]), fixture, self.ops))
+        nodes = self.fixtures[0]
+        loads = np.zeros((len(nodes), self.dimensions))
+        for k, (node, fixture) in enumerate(self.fixed):
+            v = u[node] - self.water(r[node, -1])
+            loads[k] = fixture_load(tuple(v.tolist()), tuple(b[node].tolist()), fixture, FLOATS)
         if force is not None and self.wire.body is not None:
             loads[0] -= force
         return nodes, loads
-
-    def derivatives(self, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID) -> tuple[Array, Array, Array]:
-        """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
-        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration."""
-        sizes = self.lengths(paid)
-        d, p, e = self.dimensions, self.mesh.degree, len(self.mesh.lengths)
-        parts = self._material(r, u, b, sizes, any(paid[1:]))
-        # seeds: d of g, d of velocity and rate together (n knows no velocity, q no rate), d of acceleration
-        seeded = [np.repeat(x.astype(complex)[None], 3 * d, axis=0) for x in parts]
-        for k in range(d):
-            seeded[0][k, ..., k] += 1j * STEP
-            seeded[1][d + k, ..., k] += 1j * STEP
-            seeded[2][d + k, ..., k] += 1j * STEP
-            seeded[3][2 * d + k, ..., k] += 1j * STEP
-        g, rate, v, a = (_components(x) for x in seeded)
-        n = _joined(pull(g, rate, self.material, self.ops)[0]).imag / STEP
-        q = _joined(load(g, v, a, self.material, self.ops)).imag / STEP
-        # (seed, E, point, component) -> (E, point, component, seed)
-        n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
-        slopes, weights = self.rule.slopes, self.rule.weights
-        outer = np.einsum("q,qi,qj->qij", weights, slopes, slopes)
-        scale = 1.0 / sizes.half
-        local = (weights * sizes.half)[:, :, None, None] * q
-        stiff = np.einsum("qij,eqab,e->eiajb", outer, n[..., :d], scale[:, 0], optimize=True)
-        damp = np.einsum("qij,eqab,e->eiajb", outer, n[..., d : 2 * d], scale[:, 0], optimize=True)
-        by_slope = local[..., :d] - sizes.slide[:, :, None, None] * local[..., d : 2 * d]
-        stiff += np.einsum("ij,eiab,e->eiajb", slopes, by_slope, scale[:, 0])
-        mass = np.zeros((e, p + 1, d, p + 1, d))
-        each = np.arange(p + 1)
-        mass[:, each, :, each, :] += np.moveaxis(local[..., 2 * d :], 1, 0)
-        damp[:, each, :, each, :] += np.moveaxis(local[..., d : 2 * d], 1, 0)
-        if len(self.flow.z) > 1:
-            sheared = self.flow.at(self.gather(r)[..., -1].ravel())[1].reshape(e, p + 1, d)
-            by_height = -np.einsum("eiab,eib->eia", local[..., d : 2 * d], sheared)
-            stiff[:, each, :, each, d - 1] += np.moveaxis(by_height, 1, 0)
-        self._fixture_derivatives(r, u, stiff, damp, mass)
-        return stiff, damp, mass
-
-    def _fixture_derivatives(self, r: Array, u: Array, stiff: Array, damp: Array, mass: Array) -> None:
-        """Add those of fixtures to the elements above them."""
-        nodes, fixture = self.fixtures
-        if not len(nodes):
-            return
-        d = self.dimensions
-        flow, sheared = self.flow.at(r[nodes, -1])
-        v = np.repeat((u[nodes] - flow).astype(complex)[None], d, axis=0)
-        sheared = np.broadcast_to(sheared, flow.shape)
-        for k in range(d):
-            v[k, :, k] += 1j * STEP
-        slopes = _joined(fixture_load(_components(v), _components(0.0 * v), fixture, self.ops)).imag / STEP
-        for k, node in enumerate(nodes):
-            above = node // self.mesh.degree
-            damp[above, 0, :, 0, :] += slopes[:, k, :].T
-            stiff[above, 0, :, 0, d - 1] -= slopes[:, k, :].T @ sheared[k]
-            mass[above, 0, :, 0, :] += np.diag([float(m[k]) for m in fixture.masses])

@@ -26,6 +26,7 @@ rest as MoorDyn's lines (``source/Line.cpp``), with the drag of the material ins
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ...numeric.ops import Ops, Value
@@ -40,7 +41,7 @@ NO_LENGTH2 = 1e-30
 
 
 class Material(NamedTuple):
-    """What a point is made of, per unstretched length; numbers, or arrays that fit the vectors."""
+    """What a point is made of, per unstretched length; numbers, or arrays that fit the vectors (0.0 where all are)."""
 
     stiffness: Value
     damping: Value
@@ -84,12 +85,31 @@ def dot(a: Vector, b: Vector) -> Value:
     return total
 
 
+def absent(coefficient: Value) -> bool:
+    """Whether it is the number 0, so that nothing that it multiplies need be computed."""
+    return type(coefficient) is float and coefficient == 0.0
+
+
+def _present(*terms: tuple[Value, Callable[[], Value]]) -> Value:
+    """Sum of coefficients times what is computed for those that are not absent."""
+    total: Value = 0.0
+    for coefficient, term in terms:
+        if not absent(coefficient):
+            one = coefficient * term()
+            total = one if absent(total) else total + one
+    return total
+
+
 def pull(g: Vector, g_rate: Vector, k: Material, ops: Ops) -> tuple[Vector, Value]:
     """(n, N; stretched over unstretched length) for dr/ds and its rate, 1/s."""
     stretch = ops.sqrt(dot(g, g) + NO_LENGTH2)
-    tension = k.stiffness * (stretch - 1.0) + k.damping * dot(g, g_rate) / stretch
-    # a slack wire carries nothing, whatever the damping says
-    tension = ops.where(stretch > 1.0, ops.where(tension > 0.0, tension, 0.0), 0.0)
+    tension = k.stiffness * (stretch - 1.0)
+    if absent(k.damping):
+        tension = ops.maximum(tension, 0.0)
+    else:
+        tension = tension + k.damping * dot(g, g_rate) / stretch
+        # a slack wire carries nothing, whatever the damping says
+        tension = ops.where(stretch > 1.0, ops.where(tension > 0.0, tension, 0.0), 0.0)
     factor = tension / stretch
     return tuple(factor * c for c in g), stretch
 
@@ -101,19 +121,30 @@ def load(g: Vector, v: Vector, a: Vector, k: Material, ops: Ops) -> Vector:
     along = dot(v, t)
     across = tuple(c - along * e for c, e in zip(v, t))
     u2, v2 = dot(across, across) + SMALL_SPEED2, along * along + SMALL_SPEED2
-    u_size, v_size, q = ops.sqrt(u2), ops.sqrt(v2), ops.sqrt(u2 + v2)
-    normal = (
-        k.normal_vv * v2 / u_size + k.normal_uu * u_size + q * (k.normal_qv * v_size / u_size + k.normal_qu)
-        + k.normal_uv * v_size
+    u_size, v_size = ops.sqrt(u2), ops.sqrt(v2)
+    mixed = (k.normal_qv, k.normal_qu, k.tangential_qv, k.tangential_qu)
+    q = 0.0 if all(map(absent, mixed)) else ops.sqrt(u2 + v2)
+    normal = _present(
+        (k.normal_vv, lambda: v2 / u_size), (k.normal_uu, lambda: u_size), (k.normal_qv, lambda: q * v_size / u_size),
+        (k.normal_qu, lambda: q), (k.normal_uv, lambda: v_size),
     )  # fmt: skip
-    tangential = (
-        k.tangential_vv * v_size + k.tangential_uu * u2 / v_size
-        + q * (k.tangential_qv + k.tangential_qu * u_size / v_size) + k.tangential_uv * u_size
-    ) * along  # fmt: skip
-    tangential = tangential - k.added_mass * dot(a, t)
+    tangential = _present(
+        (k.tangential_vv, lambda: v_size), (k.tangential_uu, lambda: u2 / v_size), (k.tangential_qv, lambda: q),
+        (k.tangential_qu, lambda: q * u_size / v_size), (k.tangential_uv, lambda: u_size),
+    )  # fmt: skip
+    tangential = tangential * along - k.added_mass * dot(a, t)
     inertia = k.mass + k.added_mass
     q_vector = tuple(normal * c + tangential * e + inertia * b for c, e, b in zip(across, t, a))
     return (*q_vector[:-1], q_vector[-1] + k.weight)
+
+
+def bent(g: Vector, bend: Vector, v: Vector, ops: Ops) -> tuple[Value, Value]:
+    """(Curvature squared, 1/m2; speed of the water across the wire, m/s), ``bend`` = d2r/ds2: what the model leaves out or
+    takes as given depends on them."""
+    square, along = dot(g, g) + NO_LENGTH2, dot(g, bend)
+    curvature2 = (square * dot(bend, bend) - along * along) / (square * square * square)
+    v_along = dot(v, g)
+    return curvature2, ops.sqrt(ops.maximum(dot(v, v) - v_along * v_along / square, 0.0) + SMALL_SPEED2)
 
 
 def fixture_load(v: Vector, a: Vector, k: Fixture, ops: Ops) -> Vector:

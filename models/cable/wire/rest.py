@@ -21,6 +21,7 @@ from ...numeric.arrays import Array
 from ...numeric.ops import FLOATS
 from ..case import CableError
 from .chain import Chain, Drive
+from .jacobian import derivatives
 from .matrix import factorised
 from .parts import Flow, Wire
 from .point import fixture_load, load
@@ -205,7 +206,7 @@ def equilibrium(chain: Chain, frame: Frame, first: Array) -> Array:
     norm = float(np.linalg.norm(residual))
     with np.errstate(all="ignore"):
         for _ in range(MAX_NEWTON):
-            stiff, damp, mass = chain.derivatives(r, *frame.motion(r))
+            stiff, damp, mass = derivatives(chain, r, *frame.motion(r))
             matrix = stiff
             if frame.turning:
                 matrix = matrix + damp @ spin + mass @ (spin @ spin)

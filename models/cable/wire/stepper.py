@@ -21,6 +21,7 @@ import numpy as np
 from ...numeric.arrays import Array
 from ..case import CableError
 from .chain import Chain, Drive, Paid
+from .jacobian import derivatives
 from .matrix import Factors, factorised
 from .tableaus import THIRD, Tableau
 
@@ -93,7 +94,7 @@ class Stepper:
 
     def _factorise(self, made: Made) -> bool:
         """Factors of a place; False where there are none."""
-        stiff, damp, mass = self.chain.derivatives(*made[:3], made[4])
+        stiff, damp, mass = derivatives(self.chain, *made[:3], made[4])
         weight = made[3]
         factors = factorised(mass + weight * (damp + weight * stiff), self.chain.free)
         self.factorisations += 1
@@ -168,7 +169,9 @@ class Stepper:
         assert self._kept is not None
         made, factors, inertia = self._kept
         raw = h * np.tensordot(np.array(table.error), np.array(ks), 1)
-        force = self.chain.scatter(np.einsum("eiajb,ejb->eia", inertia, self.chain.gather(raw)))
+        points = self.chain.gather(raw)
+        size = points[0].size
+        force = self.chain.scatter((inertia.reshape(-1, size, size) @ points.reshape(-1, size, 1)).reshape(points.shape))
         error = float(np.abs(factors.solve(force[self.chain.free])).max()) / self.tolerance
         return State(r, u, k, state.step, made, (h, state.acceleration)), error
 
@@ -229,7 +232,7 @@ def not_found(t: float, h: float) -> CableError:
 def consistent(chain: Chain, r: Array, u: Array, drive: Drive) -> State:
     """State with the accelerations that positions and velocities ask for."""
     zero, free = np.zeros_like(r), chain.free
-    mass = chain.derivatives(r, u, zero, drive.paid)[2]
+    mass = derivatives(chain, r, u, zero, drive.paid)[2]
     factors = factorised(mass, free)
     if factors is None:
         raise CableError("the wire has a node without mass")

@@ -36,6 +36,7 @@ typedef struct {
     int levels;            /* of the flow */
     const double *level, *flow;
     PointFunction *loads, *derivatives, *change; /* change: of loads in a moment, for chain_look.c */
+    PointFunction *bent, *bent_change;           /* likewise */
     double *work;                                /* chain_work() numbers */
 } Chain;
 

@@ -46,20 +46,33 @@ static void gather_point(const Chain *chain, int element, int q, const Motion *a
     memcpy(got->by[4], at->b + first + q * d, (size_t)d * sizeof(double));
 }
 
+/* A point with its water and, where there is a `delta`, its change. `place`: four numbers. */
+static void gather_all(const Chain *chain, int k, const Motion *at, const Motion *delta, Gathered *value,
+                       Gathered *seed, double *place)
+{
+    const int d = chain->dimensions, points = chain->degree + 1, element = k / points;
+    const int height = (element * chain->degree + k % points) * d + d - 1;
+    double slope[MOST_DIMENSIONS];
+    gather_point(chain, element, k % points, at, value);
+    chain_flow(chain, at->r[height], value->by[5], slope);
+    place[0] = chain->half[element];
+    place[1] = chain->share[k];
+    place[2] = element < chain->growing ? 0.0 : 1.0;
+    place[3] = chain->last;
+    if (!delta) return;
+    gather_point(chain, element, k % points, delta, seed);
+    for (int c = 0; c < d; c++) seed->by[5][c] = slope[c] * delta->r[height];
+}
+
 void chain_loads_change(const Chain *chain, const Motion *at, const double *paid, const Motion *delta,
                         const double *paid_change, double *n, double *q)
 {
     const int d = chain->dimensions, points = chain->degree + 1;
     for (int k = 0; k < chain->elements * points; k++) {
-        const int element = k / points, node = (element * chain->degree + k % points) * d;
-        const double place[] = {chain->half[element], chain->share[k], element < chain->growing ? 0.0 : 1.0,
-                                chain->last};
-        double slope[MOST_DIMENSIONS];
+        const int element = k / points;
+        double place[4];
         Gathered value, seed;
-        gather_point(chain, element, k % points, at, &value);
-        gather_point(chain, element, k % points, delta, &seed);
-        chain_flow(chain, at->r[node + d - 1], value.by[5], slope);
-        for (int c = 0; c < d; c++) seed.by[5][c] = slope[c] * delta->r[node + d - 1];
+        gather_all(chain, k, at, delta, &value, &seed, place);
         const double *arguments[2 * 9 + 2] = {
             value.by[0], value.by[1], value.by[2],
             value.by[3], value.by[4], value.by[5],
@@ -74,6 +87,28 @@ void chain_loads_change(const Chain *chain, const Motion *at, const double *paid
     }
 }
 
+void chain_bent(const Chain *chain, int point, const Motion *at, const double *paid, double bent[2])
+{
+    double place[4];
+    Gathered value;
+    gather_all(chain, point, at, NULL, &value, NULL, place);
+    const double *arguments[] = {value.by[0], value.by[2], value.by[3], value.by[5], paid, place};
+    double *results[] = {bent};
+    chain->bent(arguments, results, NULL, chain->work, 0);
+}
+
+void chain_bent_change(const Chain *chain, int point, const Motion *at, const double *paid, const Motion *delta,
+                       const double *paid_change, double bent[2])
+{
+    double place[4];
+    Gathered value, seed;
+    gather_all(chain, point, at, delta, &value, &seed, place);
+    const double *arguments[] = {value.by[0], value.by[2], value.by[3], value.by[5], paid,        place, NULL,
+                                 seed.by[0],  seed.by[2],  seed.by[3],  seed.by[5],  paid_change, NULL};
+    double *results[] = {bent};
+    chain->bent_change(arguments, results, NULL, chain->work, 0);
+}
+
 void chain_fixture_loads(const Chain *chain, const Motion *at, const double *force, double *loads)
 {
     const int d = chain->dimensions;
@@ -82,7 +117,7 @@ void chain_fixture_loads(const Chain *chain, const Motion *at, const double *for
         const int node = chain->fixture_node[k] * d;
         chain_fixture(chain, k, at->r + node, at->u + node, at->b + node, loads + k * d);
     }
-    for (int c = 0; c < d; c++) loads[c] -= force[c];
+    for (int c = 0; c < d && !chain->held; c++) loads[c] -= force[c];
 }
 
 void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Motion *delta, const double *force_change,
@@ -101,7 +136,7 @@ void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Moti
         for (int c = 0; c < d; c++)
             loads[k * d + c] = numbers[c] * delta->b[node + c] + numbers[d + 1] * (along * v[c] + speed * dv[c]);
     }
-    for (int c = 0; c < d; c++) loads[c] -= force_change[c];
+    for (int c = 0; c < d && !chain->held; c++) loads[c] -= force_change[c];
 }
 
 void chain_gather(const Chain *chain, const double *n, const double *q, const double *fixtures, double *needed)
@@ -120,11 +155,12 @@ void chain_gather(const Chain *chain, const double *n, const double *q, const do
         for (int c = 0; c < d; c++) needed[chain->fixture_node[k] * d + c] += fixtures[k * d + c];
 }
 
-void chain_pulls(const Chain *chain, const double *q, const double *fixtures, double *pulls)
+void chain_pulls(const Chain *chain, const double *q, const double *fixtures, const double *needed, double *pulls)
 {
     const int d = chain->dimensions, points = chain->degree + 1;
     double start[MOST_DIMENSIONS] = {0.0};
     int next = 0;
+    for (int c = 0; c < d && chain->held; c++) start[c] = -needed[c];
     for (int e = 0; e < chain->elements; e++) {
         const double *own = q + e * points * d;
         for (; next < chain->fixtures && chain->fixture_node[next] / chain->degree <= e; next++)

@@ -20,8 +20,14 @@ void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Moti
 /* Forces that the nodes need, N, from loads at points and on what is fixed; linear, and so its own change. */
 void chain_gather(const Chain *chain, const double *n, const double *q, const double *fixtures, double *needed);
 
-/* Pulls at points, N, by the balance dn/ds = q from the body on; likewise linear. */
-void chain_pulls(const Chain *chain, const double *q, const double *fixtures, double *pulls);
+/* Pulls at points, N, by the balance dn/ds = q from the body on, or from what a held lower end needs; likewise linear.
+ */
+void chain_pulls(const Chain *chain, const double *q, const double *fixtures, const double *needed, double *pulls);
+
+/* Curvature squared, 1/m2, and speed of the water across the wire, m/s, at a point, and their change. */
+void chain_bent(const Chain *chain, int point, const Motion *at, const double *paid, double bent[2]);
+void chain_bent_change(const Chain *chain, int point, const Motion *at, const double *paid, const Motion *delta,
+                       const double *paid_change, double bent[2]);
 
 /* Error of positions by the elements over the length, and its change for changes dr, dpaid where `delta` is given. */
 double chain_shape_error(const Chain *chain, const double *r, double paid, const double *dr, double dpaid,

@@ -21,9 +21,12 @@ struct Wire {
     double *half, *material, *share;
     int fixture_node[2];
     double fixture[2 * (MOST_DIMENSIONS + 2)], level[2], flow[2 * MOST_DIMENSIONS];
-    double needed_top[MOST_DIMENSIONS], least, most, at_body; /* at rest */
-    double error;                                             /* of the mesh at rest */
-    double *v, *a, *dv, *da, *needed;                         /* work space of a look */
+    double begun[MOST_DIMENSIONS]; /* place of the lower end before the step that is under way */
+    double needed_top[MOST_DIMENSIONS], needed_lower[MOST_DIMENSIONS], least, most, at_body; /* at rest */
+    int station[WIRE_STATIONS];                        /* first node of the element of each */
+    double at_station[WIRE_STATIONS][MOST_DEGREE + 1]; /* what its nodes count there */
+    double error;                                      /* of the mesh at rest */
+    double *v, *a, *dv, *da, *needed;                  /* work space of a look */
     double *n, *q, *dn, *dq, *pulls, *dpulls;
 };
 
@@ -60,6 +63,19 @@ static inline void wire_store(Wire *wire, double *x)
     memcpy(number + WIRE_PAID0, state->made_paid, sizeof state->made_paid);
     number[WIRE_BEFORE] = state->before_step;
 }
+
+/* What bounds the model at a moment, and its change where there is a `delta`: margin_surface; error of the tension by
+ * bending, diameter times speed of the water across the wire, m2/s, the largest of each. */
+typedef struct {
+    double bending, flow, surface, bending_change, flow_change, surface_change;
+} WireModel;
+
+void wire_model(const Wire *wire, const Motion *at, const Drive *drive, const double *pulls, const Motion *delta,
+                const Drive *drive_change, const double *pulls_change, WireModel *model);
+
+/* (Distance behind and to port of the towpoint at `top`, depth) of each station, for places of nodes or their changes.
+ */
+void wire_shape(const Wire *wire, const double *r, const double *top, double *shape);
 
 extern const Steps wire_steps;
 

@@ -41,10 +41,12 @@ static void describe(Instance *it, Wire *wire)
     memcpy(wire->level, numbers->level, sizeof wire->level);
     chain->level = wire->level;
     chain->flow = wire->flow;
-    const Function *const own = it->unit->point + (d == 2 ? 0 : 3);
+    const Function *const own = it->unit->point + (d == 2 ? 0 : 5);
     chain->loads = own[0].call;
     chain->derivatives = own[1].call;
     chain->change = own[2].call;
+    chain->bent = own[3].call;
+    chain->bent_change = own[4].call;
     chain->work = it->w;
 }
 
@@ -95,6 +97,26 @@ static bool make_room(Wire *wire)
     return wire->vectors;
 }
 
+/* Places in equal parts of the length: their elements, and Lagrange's polynomials there. */
+static void find_stations(Wire *wire, const GradedElement *elements, int count)
+{
+    const int degree = wire->stepper.chain.degree;
+    const double *points = wire->stepper.chain.rule->points, all = elements[count - 1].low + elements[count - 1].length;
+    for (int k = 0; k < WIRE_STATIONS; k++) {
+        const double s = all * (k + 1) / (WIRE_STATIONS + 1);
+        int e = 0;
+        while (e < count - 1 && elements[e + 1].low <= s) e++;
+        const double x = 2.0 * (s - elements[e].low) / elements[e].length - 1.0;
+        wire->station[k] = e * degree;
+        for (int j = 0; j <= degree; j++) {
+            double value = 1.0;
+            for (int i = 0; i <= degree; i++)
+                if (i != j) value *= (x - points[i]) / (points[j] - points[i]);
+            wire->at_station[k][j] = value;
+        }
+    }
+}
+
 /* The chain of the graded elements. */
 static bool divide(Wire *wire, const GradedElement *elements, int count)
 {
@@ -125,6 +147,7 @@ static bool divide(Wire *wire, const GradedElement *elements, int count)
     chain->material = wire->material;
     chain->share = wire->share;
     wire->fixture_node[1] = chain->growing * degree;
+    find_stations(wire, elements, count);
     return true;
 }
 
@@ -188,6 +211,16 @@ Wire *wire_make(Instance *it)
     return wire;
 }
 
+/* From here on the lower end moves as the body's unit says. */
+static void release_body(Wire *wire)
+{
+    Chain *chain = &wire->stepper.chain;
+    chain->held = 1;
+    chain->fixtures--;
+    chain->fixture_node++;
+    chain->fixture += chain->dimensions + 2;
+}
+
 Outcome wire_settle(Instance *it)
 {
     Wire *wire = it->wire;
@@ -198,6 +231,7 @@ Outcome wire_settle(Instance *it)
     it->x = wire->x;
     it->kept_x = wire->kept;
     it->states = 7 * wire->size + WIRE_TOP + wire->stepper.chain.dimensions;
+    if (wire->numbers.body_port > 0.5) release_body(wire);
     wire_rest(wire, it->values + it->unit->first.calculated);
     return DONE;
 }

@@ -124,8 +124,9 @@ typedef struct {
     void (*memory_drop)(void *);
     const struct Steps *steps; /* NULL: not a unit that steps by itself; it has no states that others know */
     /* Of a wire, in the plane and then in space: pull and load of a point (dr/ds, its rate, velocity through the water,
-     * acceleration, material), their derivatives, and the change of both in a moment (chain/chain_look.c). */
-    Function point[6];
+     * acceleration, material), their derivatives, the change of both in a moment, curvature and flow, and their change
+     * (chain/chain_look.c). */
+    Function point[10];
 } Unit;
 
 extern const Unit towage_unit; /* in the generated unit.c */

@@ -33,7 +33,7 @@ static Needs needs(const Unit *u)
         &u->indicate, &u->change,   &u->next_event, &u->outputs, &u->derivatives_forward, &u->outputs_forward,
     };
     for (size_t i = 0; i < sizeof of_unit / sizeof *of_unit; i++) need(&most, of_unit[i]);
-    for (int i = 0; i < 6; i++) need(&most, u->point + i);
+    for (int i = 0; i < 10; i++) need(&most, u->point + i);
     const Linear *l = u->linear;
     if (!l) return most;
     const Function *const of_linear[] = {
