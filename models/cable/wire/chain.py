@@ -109,7 +109,8 @@ class Chain:
         nodes = np.array([int(np.abs(self.mesh.places - s).argmin()) for s, _ in parts], dtype=int)
         found = [mass.fixture(self.wire.density, self.dimensions) for _, mass in parts]
         masses = np.array([f.masses for f in found]).reshape(-1, self.dimensions)
-        return nodes, Fixture(_components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+        weight, drag, aft = np.array([f[1:] for f in found]).reshape(-1, 3).T
+        return nodes, Fixture(_components(masses), weight, drag, aft)
 
     @cached_property
     def free(self) -> slice:
@@ -189,7 +190,7 @@ class Chain:
         """(n, q) at points."""
         g, rate, v, a = (_components(x) for x in self._material(r, u, b, sizes, any(drive.paid[1:])))
         n = _joined(pull(g, rate, self.material, self.ops)[0])
-        return n, _joined(load(g, v, a, self.material, self.ops))
+        return n, _joined(load(g, rate, v, a, self.material, self.ops))
 
     def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""
@@ -243,7 +244,8 @@ class Chain:
 
     def derivatives(self, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID) -> tuple[Array, Array, Array]:
         """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
-        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration."""
+        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration, and the
+        convected added mass by the rate of the slope."""
         sizes = self.lengths(paid)
         d, p, e = self.dimensions, self.mesh.degree, len(self.mesh.lengths)
         parts = self._material(r, u, b, sizes, any(paid[1:]))
@@ -256,7 +258,7 @@ class Chain:
             seeded[3][2 * d + k, ..., k] += 1j * STEP
         g, rate, v, a = (_components(x) for x in seeded)
         n = _joined(pull(g, rate, self.material, self.ops)[0]).imag / STEP
-        q = _joined(load(g, v, a, self.material, self.ops)).imag / STEP
+        q = _joined(load(g, _components(parts[1]), v, a, self.material, self.ops)).imag / STEP
         # (seed, E, point, component) -> (E, point, component, seed)
         n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
         slopes, weights = self.rule.slopes, self.rule.weights

@@ -20,7 +20,7 @@ struct Wire {
     double *steady, *still; /* nodes at rest; zeros */
     double *half, *material, *share;
     int fixture_node[2];
-    double fixture[2 * (MOST_DIMENSIONS + 2)], level[2], flow[2 * MOST_DIMENSIONS];
+    double fixture[2 * (MOST_DIMENSIONS + 3)], level[2], flow[2 * MOST_DIMENSIONS];
     double needed_top[MOST_DIMENSIONS], least, most, at_body; /* at rest */
     double error;                                             /* of the mesh at rest */
     double *v, *a, *dv, *da, *needed;                         /* work space of a look */

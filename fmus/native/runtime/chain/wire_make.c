@@ -29,10 +29,9 @@ static void describe(Instance *it, Wire *wire)
     chain->damped = numbers->wire[CHAIN_DAMPING] > 0.0;
     chain->fixtures = sections;
     for (int k = 0; k < sections; k++) {
-        double *fixture = wire->fixture + k * (d + 2);
+        double *fixture = wire->fixture + k * (d + 3);
         wire_components(wire, masses[k], 1, fixture);
-        fixture[d] = masses[k][3];
-        fixture[d + 1] = masses[k][4];
+        memcpy(fixture + d, masses[k] + 3, 3 * sizeof *fixture);
     }
     chain->fixture_node = wire->fixture_node;
     chain->fixture = wire->fixture;
