@@ -37,7 +37,10 @@ def wire_of(tow: Tow) -> Wire:
     return Wire((part,), Mass(b.mass, (b.added_mass_surge, b.added_mass_heave), b.weight - b.lift, 0.0, b.drag), tow.density)
 
 
-def response_of(chain: Chain, nodes: np.ndarray, top: np.ndarray, force: np.ndarray, omega: float) -> tuple[np.ndarray, np.ndarray]:
+Array = np.ndarray
+
+
+def response_of(chain: Chain, nodes: Array, top: Array, force: Array, omega: float) -> tuple[Array, Array]:
     """(Motion of the body, m, change of the pull on the ship, N) for amplitudes of the top, m, and of a force on the body, N:
     central differences of the forces that a motion needs."""
     zero, size = np.zeros(2), nodes.size

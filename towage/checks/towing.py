@@ -1,7 +1,7 @@
 """The tows in a scene: their frequency response, and which model a scene of theirs needs.
 
 Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
-the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
+the nonlinear one (`wire`). `before_run` names the cheapest whose measured error is below the scene's
 tolerance: errors of segments and reduction against the frequency domain, error of linearity by the nonlinear equations
 (``models/cable/lumped/linearity.py``). The ladder runs the simplest model of all, a body on a spring.
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.checks.tow_names import LINEAR, UNITS
+from towage.checks.tow_names import LINEAR
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
 from towage.models.cable.lumped.linearity import regular
@@ -48,7 +48,7 @@ def tows(resolved: ResolvedScene) -> list[SceneTow]:
     tows = []
     for name, unit in resolved.units.items():
         kind = unit.description.model_name
-        if kind not in UNITS:
+        if kind not in LINEAR:
             continue
         values = _values(unit)
         shared = TowParameters(**{f: values[f] for f in TowParameters.__dataclass_fields__})
@@ -141,7 +141,6 @@ def before_run(resolved: ResolvedScene) -> list[Finding]:
     return [
         _fidelity(t, t.drive, tolerance) if t.drive and t.unit != "tow_cable" else _later(t, tolerance)
         for t in tows(resolved)
-        if t.unit in LINEAR or t.drive
     ]
 
 
@@ -156,21 +155,15 @@ def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Findi
     name = f"fidelity of {tow.name}"
     try:
         nonlinear = linearity_error(tow.tow, velocity, omega, p["body_quadratic_drag"] > 0.5)
-        if tow.unit == "tow_system":
-            keys = tow_system.Parameters.__dataclass_fields__
-            reduced = tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in keys}))
-        else:
-            extensible = math.isfinite(tow.tow.cable.axial_stiffness)
-            reduced = choose(tow.tow, extensible, max(omega * 1.5, 1e-3), min(0.5, wanted))
+        keys = tow_system.Parameters.__dataclass_fields__
+        reduced = tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in keys}))
     except CableError as error:
         return Finding(name, "warning", None, wanted, f"not judged: {error}")
     full = unreduced_error(tow.tow, reduced, omega)
     errors = {"linear reduced": nonlinear + reduced.error, "linear full": nonlinear + full, "nonlinear": 0.0}
     need = next(k for k, e in errors.items() if e <= wanted)
     listed = ", ".join(f"{k} {e:.2g}" for k, e in errors.items() if k != "nonlinear")
-    used = (
-        "nonlinear" if tow.unit == "tow_cable_nonlinear" else "linear full" if p["reduced"] < 0.5 else "linear reduced"
-    )
+    used = "linear full" if p["reduced"] < 0.5 else "linear reduced"
     order = list(errors)
     enough = order.index(used) >= order.index(need)
     return Finding(

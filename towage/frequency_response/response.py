@@ -153,6 +153,6 @@ def response(
     except ValueError as error:
         raise SceneError(str(error), file=chosen.file, key="units") from error
     if not answers:
-        expected = "expected a unit tow_system, tow_cable or tow_cable_nonlinear, or a ship with a cradle on a line"
+        expected = "expected a unit tow_system or tow_cable, or a ship with a cradle on a line"
         raise SceneError(f"no tow and no lift: {expected}", file=chosen.file, key="units")
     return answers

@@ -4,14 +4,14 @@
     L y1 = -(M v_N' + C v_N) + f_body                the linear tow
     L (y_{k+1} - y_k) = -R(y_k)                      its correction, L at every frequency of the time that repeats
 
-R is that of `NonlinearCable`: drag in any direction, large angles, slack. L is the linearisation of ``lumped.py``. The first
+R is that of ``forces.py`` at large angles, drag in any direction, slack. L is the linearisation of ``lumped.py``. The first
 correction holds all terms of second order (mean shift, second harmonic, sums and differences of frequencies) and a part of
 the higher ones; further ones converge to the nonlinear motion wherever the motion is small enough. Angles and tensions
 as unknowns keep EA, which may be infinite, out of the products.
 
-Assumptions: those of ``nonlinear.py``; the motion repeats.
+Assumptions: (1) to (4) of ``cable/case.py``; (5) no internal damping of the cable; (6) the motion repeats.
 
-Not to be confused with Newton's method in time (``nonlinear.py``): L is factorised once a frequency.
+Not to be confused with Newton's method in time (``cable/wire/stepper.py``): L is factorised once a frequency.
 
 Source: Picard's iteration as in harmonic balance with a constant operator; equations of the small-perturbation report on
 towed cables, discretised as in ``forces.py``.
@@ -166,7 +166,7 @@ class Picard:
 
 
 def body_force(tow: Tow, quadratic_drag: bool, velocity: Array, force: Array) -> Array:
-    """Force on the body but for the cable's, N, (2, n), as `NonlinearCable.body_force`."""
+    """Force on the body but for the cable's, N, (2, n)."""
     body, c = tow.body, tow.speed
     buoyant = np.array([[0.0], [body.lift - body.weight]]) + force
     slope = np.array([[body.damping_surge], [body.damping_heave]])

@@ -59,7 +59,7 @@ class Parameters:
     clump_drag_area: Annotated[Value, parameter("m2", 0.0, "Its drag area", min=0.0)]
     body_mass: Annotated[Value, parameter("kg", 800.0, "Mass of the body", min=0.0)]
     body_added_mass: Annotated[Value, parameter("kg", 300.0, "Its added mass", min=0.0)]
-    body_added_mass_heave: Annotated[Value, parameter("kg", -1.0, "Its added mass in heave; -1: body_added_mass", min=-1.0)]
+    body_added_mass_heave: Annotated[Value, parameter("kg", 0.0, "Its added mass in heave; 0: body_added_mass", min=0.0)]
     body_weight: Annotated[Value, parameter("N", 5000.0, "Its weight in water")]
     body_lift: Annotated[Value, parameter("N", 0.0, "Constant lift on it; a depressor: negative")]
     body_drag_area: Annotated[Value, parameter("m2", 0.3, "Its drag area", min=0.0)]
@@ -160,10 +160,12 @@ class Calculated(NamedTuple):
 def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
     """What the parameters must fulfil: weights below those in air, a known loading."""
     form = ops.where(p.loading_form * (p.loading_form - 1.0) == 0.0, 1.0, 0.0)
+    # a body without mass is not weighed: the report's printed sample is one, whose mass is in its added masses
+    possible, why = weight_below_gravity(p.body_weight, p.body_mass, p.water_density, "body_weight", "body_mass", ops)
     found = [
         weight_below_gravity(p.wire_weight, p.wire_mass, p.water_density, "wire_weight", "wire_mass", ops),
         weight_below_gravity(p.tail_weight, p.tail_mass, p.water_density, "tail_weight", "tail_mass", ops),
-        weight_below_gravity(p.body_weight, p.body_mass, p.water_density, "body_weight", "body_mass", ops),
+        (ops.where(p.body_mass == 0.0, 1.0, possible), why),
         weight_below_gravity(p.clump_weight, p.clump_mass, p.water_density, "clump_weight", "clump_mass", ops),
         liquid(p.water_density, ops),
     ]
@@ -203,7 +205,7 @@ def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
 
 def _masses(p: Parameters, ops: Ops) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(Body, clump), as `Mass` takes them, of three components."""
-    heave = ops.where(p.body_added_mass_heave < 0.0, p.body_added_mass, p.body_added_mass_heave)
+    heave = ops.where(p.body_added_mass_heave == 0.0, p.body_added_mass, p.body_added_mass_heave)
     return (
         (p.body_mass, (p.body_added_mass, p.body_added_mass, heave), p.body_weight - p.body_lift, p.body_drag_area, p.body_drag),
         (p.clump_mass, (p.clump_added_mass,) * 3, p.clump_weight, p.clump_drag_area, 0.0),

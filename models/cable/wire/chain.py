@@ -244,8 +244,8 @@ class Chain:
 
     def derivatives(self, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID) -> tuple[Array, Array, Array]:
         """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
-        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration, and the
-        convected added mass by the rate of the slope."""
+        of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration, and
+        the convected added mass by the rate of the slope."""
         sizes = self.lengths(paid)
         d, p, e = self.dimensions, self.mesh.degree, len(self.mesh.lengths)
         parts = self._material(r, u, b, sizes, any(paid[1:]))
