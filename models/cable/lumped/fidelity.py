@@ -25,7 +25,7 @@ from ..steady.perturbation import Excitation, Response
 from ..steady.response import mesh, responses
 from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .lumped import MOST, hanging
-from .reduction import reduce, relative_error
+from .reduction import COUNTED, reduce, relative_error
 
 LEAST_SHARE = 0.25
 """Share of the tolerance that is left to the reduction, whatever the segments took."""
@@ -116,5 +116,4 @@ def ends_together(model: StateSpace, ops: MatrixOps) -> StateSpace:
 
 
 def _gains(model: StateSpace, omega: float) -> ComplexArray:
-    gains: ComplexArray = np.column_stack([model.response(omega, u)[:4] for u in np.eye(4, dtype=complex)])
-    return gains
+    return model.response(omega, np.eye(4, dtype=complex), COUNTED)

@@ -72,11 +72,11 @@ class StateSpace:
     d: Matrix
     e: Matrix
 
-    def response(self, omega: float, inputs: ComplexArray) -> ComplexArray:
-        """Amplitudes of y for u = Re(inputs exp(-i omega t)), shape (r,) as inputs has shape (m,)."""
+    def response(self, omega: float, inputs: ComplexArray, rows: slice = slice(None)) -> ComplexArray:
+        """Amplitudes of y, or of ``rows`` of it, for u = Re(inputs exp(-i omega t)); inputs of shape (m,) or, several, (m, k)."""
         s = -1j * omega
         x = np.linalg.solve(s * np.eye(len(self.a)) - self.a, self.b @ inputs)
-        y: ComplexArray = self.c @ x + (self.d + s * self.e) @ inputs
+        y: ComplexArray = self.c[rows] @ x + (self.d[rows] + s * self.e[rows]) @ inputs
         return y
 
     @property
