@@ -21,7 +21,7 @@ from towage.models.cable.lumped.linearity import regular
 from towage.models.cable.parameters import TowParameters, tow_of
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import mesh, responses
-from towage.models.cable.units import tow_system
+from towage.models.cable.units import tow_cable, tow_system
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
@@ -138,10 +138,38 @@ def before_run(resolved: ResolvedScene) -> list[Finding]:
     """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones; where only the run will tell what
     drives it, that."""
     tolerance = tolerance_of(resolved.scene)
-    return [
+    found = tows(resolved)
+    return [finding for t in found if (finding := _segments(t))] + [
         _fidelity(t, t.drive, tolerance) if t.drive and t.unit != "tow_cable" else _later(t, tolerance)
-        for t in tows(resolved)
+        for t in found
     ]
+
+
+def _chosen(tow: SceneTow) -> Chosen:
+    """The model of a tow. Raises `CableError`."""
+    p = tow.parameters
+    if tow.unit == "tow_cable":
+        return tow_cable.chosen(tow_cable.Parameters(**{k: p[k] for k in tow_cable.Parameters.__dataclass_fields__}))
+    return tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in tow_system.Parameters.__dataclass_fields__}))
+
+
+def _segments(tow: SceneTow) -> Finding | None:
+    """How many segments would do, where as many as are chosen by themselves do not reach the tolerance of the unit."""
+    wanted = tow.parameters["tolerance"]
+    if tow.parameters["segments"]:
+        return None
+    try:
+        found = _chosen(tow)
+    except CableError:
+        return None  # said by `_fidelity`, and by the unit itself
+    if found.error <= wanted:
+        return None
+    need = math.ceil(found.nodes * math.sqrt(found.error / wanted))
+    return Finding(
+        f"segments of {tow.name}", "warning", found.error, wanted,
+        f"{found.nodes} segments are chosen at most and leave {found.error:.2g}; {tow.name}.tolerance is {wanted:g}: about {need} "
+        f"would reach it, with {tow.name}.grading = {found.grading:g}; or take the unit wire",
+    )  # fmt: skip
 
 
 def _later(tow: SceneTow, tolerance: float) -> Finding:
@@ -155,8 +183,7 @@ def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Findi
     name = f"fidelity of {tow.name}"
     try:
         nonlinear = linearity_error(tow.tow, velocity, omega, p["body_quadratic_drag"] > 0.5)
-        keys = tow_system.Parameters.__dataclass_fields__
-        reduced = tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in keys}))
+        reduced = _chosen(tow)
     except CableError as error:
         return Finding(name, "warning", None, wanted, f"not judged: {error}")
     full = unreduced_error(tow.tow, reduced, omega)

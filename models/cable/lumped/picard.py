@@ -89,7 +89,7 @@ class Picard:
         moves, pulls = np.zeros((2, 2 * n + 2, 2 * n))
         for k in range(n):
             moves[: 2 * k + 2, k] = np.tile(-length[k] * across[:, k], k + 1)
-            moves[: 2 * k + 2, n + k] = np.tile(-self.compliance * along[:, k], k + 1)
+            moves[: 2 * k + 2, n + k] = np.tile(-self.compliance[k] * along[:, k], k + 1)
             pulls[2 * k : 2 * k + 4, n + k] = np.concatenate([-along[:, k], along[:, k]])
         return moves, pulls
 
@@ -113,7 +113,7 @@ class Picard:
         chain, n = self.chain, self.chain.count
         angle, tension = self.angle[:, None] + y[:n], self.tension[:, None] + y[n:]
         direction = np.stack([np.cos(angle), np.sin(angle)])
-        stretched = direction * (chain.segment + self.compliance * tension)
+        stretched = direction * (chain.segment[:, None] + self.compliance[:, None] * tension)
         nodes = np.concatenate([-np.cumsum(stretched[:, ::-1], axis=1)[:, ::-1], np.zeros((2, 1, self.times))], axis=1)
         steady = (chain.nodes - chain.nodes[-1]).T
         velocity = self._rate(nodes - steady[:, :, None]) + drive[:2, None]
@@ -123,8 +123,9 @@ class Picard:
         lower, upper, lower_velocity, upper_velocity = (part.reshape(2, -1) for part in ends)
         # a slack segment pulls nothing
         pull = np.maximum(0.0, tension).ravel()
-        forces = segment_forces(chain.tow, chain.segment, lower, upper, lower_velocity, upper_velocity, pull)
-        halves = node_mass(chain.tow, chain.segment, direction.reshape(2, -1).T).reshape(n, self.times, 2, 2)
+        segment = np.repeat(chain.segment, self.times)
+        forces = segment_forces(chain.tow, segment, lower, upper, lower_velocity, upper_velocity, pull)
+        halves = node_mass(chain.tow, segment, direction.reshape(2, -1).T).reshape(n, self.times, 2, 2)
         r = np.zeros((2, n + 1, self.times))
         for part, force in zip((slice(None, -1), slice(1, None)), forces):
             r[:, part] += np.einsum("ktij,jkt->ikt", halves, acceleration[:, part]) - force.reshape(2, n, -1)
