@@ -269,8 +269,10 @@ def test_segments_are_graded_where_a_light_body_bends_the_cable() -> None:
     )  # fmt: skip
     found = choose(light, True, 1.0, 0.1)
     assert found.grading > 1.0 and found.error <= 0.1
-    equal = choose(light, True, 1.0, 0.1, found.nodes, reduced=False, grading=1.0).error
-    graded = [choose(light, True, 1.0, 0.1, n, reduced=False, grading=found.grading).error for n in (found.nodes, 2 * found.nodes)]
+    n, by = found.nodes, found.grading
+    equal, *graded = (
+        choose(light, True, 1.0, 0.1, count, reduced=False, grading=g).error for count, g in ((n, 1.0), (n, by), (2 * n, by))
+    )
     assert equal > 2.0 * graded[0]
     assert math.log2(graded[0] / graded[1]) == pytest.approx(2.0, abs=0.3)
 

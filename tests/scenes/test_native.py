@@ -160,5 +160,5 @@ def test_structure_follows_the_values(monkeypatch: pytest.MonkeyPatch) -> None:
         units = {"tow": replace(scene.units["tow"], parameters=parameters)}
         with pytest.raises(FmuError, match="noted"):
             resolve(replace(scene, units=units), None, "native")
-    assert built[1] == {"segments": 7.0, "extensible": 0.0}
+    assert built[1] == {"segments": 7.0, "extensible": 0.0, "grading": 1.0}
     assert built[0]["segments"] >= 6.0

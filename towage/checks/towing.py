@@ -167,8 +167,8 @@ def _segments(tow: SceneTow) -> Finding | None:
     need = math.ceil(found.nodes * math.sqrt(found.error / wanted))
     return Finding(
         f"segments of {tow.name}", "warning", found.error, wanted,
-        f"{found.nodes} segments are chosen at most and leave {found.error:.2g}; {tow.name}.tolerance is {wanted:g}: about {need} "
-        f"would reach it, with {tow.name}.grading = {found.grading:g}; or take the unit wire",
+        f"{found.nodes} segments, the most that are chosen, leave {found.error:.2g}; {tow.name}.tolerance is {wanted:g}: about "
+        f"{need} would reach it, with {tow.name}.grading = {found.grading:g}; or take the unit wire",
     )  # fmt: skip
 
 
