@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import towage
 from towage.checks import towing
 from towage.cli import main
 from towage.master.master import Master
+from towage.models.cable.lumped.second_order import second_order
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
 from towage.models.cable.units import tow_cable, tow_system
@@ -207,6 +209,18 @@ def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert len(document["tows"][0]["gains"]) == 6
     # the same files to the byte
     assert [(tmp_path / n).read_bytes() for n in names] == first
+
+
+def test_response_to_second_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Columns and file; it grows as the square of the excitation, and the numbers are those of `second_order`."""
+    (once,), (twice,) = (towage.response("tow_600ft", frequencies=[0.2], excitation={"heave": a}) for a in (0.1, 0.2))
+    one, two = once.second_rows()[0], twice.second_rows()[0]
+    found = second_order(once.tow.tow, 0.4 * math.pi, Excitation(heave=0.1), quadratic_drag=False)
+    assert one["body_heave_mean"] == found.mean.body_heave.real and one["tension_top_second"] == abs(found.second.tension_top)
+    assert two["body_heave_mean"] == pytest.approx(4.0 * one["body_heave_mean"], rel=1e-6)
+    assert main(["response", "tow_600ft", "--points", "2", "--second", "--json", "--out", str(tmp_path)]) == 0
+    assert len(json.loads(capsys.readouterr().out)["tows"][0]["second"]) == 2
+    assert (tmp_path / "tow_second.csv").read_text().startswith("frequency_hz,tension_top_mean,")
 
 
 def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
