@@ -107,7 +107,7 @@ def choose(
         count = min(TRIED, _wanted(best, target))
         best = min((found for g in GRADINGS if (found := _or_none(tried, count, g))), default=best)
     for _ in range(5):
-        if nodes or best.error <= target or best.count >= MOST:
+        if nodes or best.error <= target or best.segments >= MOST:
             break
         # a light body may hang with some numbers of segments alone; the error says what is left
         if not (found := _or_none(tried, _wanted(best, target), best.grading)):
@@ -126,17 +126,17 @@ def choose(
 
 
 class _Trial(NamedTuple):
-    """A model of ``count`` segments and its error."""
+    """A model of so many ``segments``, and its error."""
 
     error: float
     model: StateSpace
-    count: int
+    segments: int
     grading: float
 
 
 def _wanted(trial: _Trial, target: float) -> int:
     """Segments that reach ``target``, of an error of second order."""
-    return min(MOST, max(trial.count + 2, math.ceil(1.03 * trial.count * math.sqrt(trial.error / target))))
+    return min(MOST, max(trial.segments + 2, math.ceil(1.03 * trial.segments * math.sqrt(trial.error / target))))
 
 
 def _or_none(tried: Callable[[int, float], _Trial], count: int, grading: float) -> _Trial | None:
