@@ -1,11 +1,11 @@
-"""Error against time of the tow cable's models on one case, and cost against segments.
+"""Error against time of the linear tow cable on one case, and cost against segments.
 
     OPENBLAS_NUM_THREADS=1 python benchmarks/cable.py
 
 Case: ``moordyn_tow.py`` with 0.2 m of heave. Error: complex amplitude of the force on the towpoint at the driving
 frequency, largest component, against the elastic frequency response. Time: milliseconds of processor time a simulated
 second, one thread, the least of three where repeated; initialisation is not in it, MoorDyn's neither. All in one run: only
-ratios mean something.
+ratios mean something. The nonlinear wire is in ``wire.py``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from moordyn_tow import FREQUENCY, SPEED, harmonic, tow_case
 
 from towage.master.master import Master
 from towage.models.cable.lumped.linear import StateSpace, tow_elastic
-from towage.models.cable.lumped.nonlinear import nonlinear_cable
 from towage.models.cable.lumped.reduction import reduce
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
@@ -112,29 +111,6 @@ def linear(model: StateSpace, step: float) -> tuple[float, float]:
     return error(force), timed(once)
 
 
-def nonlinear(segments: int, step: float) -> tuple[float, float]:
-    """(error, ms a simulated second) of the nonlinear cable, bare."""
-    cable, omega, a = nonlinear_cable(tow_case(), segments), FREQUENCY, AMPLITUDE
-
-    def motion(t: float) -> np.ndarray:
-        """Velocity of the towpoint, and the forces on the body."""
-        s = min(t / 10.0, 1.0)
-        r, rate = s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 3.0 * s * s * (1.0 - s) ** 2
-        return np.array([0.0, a * (r * omega * math.cos(omega * t) + rate * math.sin(omega * t)), 0.0, 0.0])
-
-    state, rows, count = cable.start(), [], round(45.0 / step)
-    begin = time.process_time()
-    for k in range(count):
-        state = cable.step(k * step, step, state, motion)
-        t = (k + 1) * step
-        if t > 40.0 + 1e-9:
-            acceleration = np.array([0.0, -a * omega**2 * math.sin(omega * t)])
-            rows.append([t, *cable.towpoint_force(state, motion(t), acceleration)])
-    cost = 1e3 * (time.process_time() - begin) / 45.0
-    table = np.array(rows)
-    return error(np.array([harmonic(table[:, 0], table[:, c]) for c in (1, 2)]) / a), cost
-
-
 def coupled(fmu: str, own: str, step: float, stop: float) -> tuple[float, float]:
     """(error, ms a simulated second) through Python FMU and master."""
     tow = tow_case()
@@ -169,8 +145,6 @@ def main() -> None:
     if not arguments.no_moordyn:
         for n, inner, step in ((10, 4e-3, 0.01), (20, 2e-3, 0.01), (20, 2e-3, 0.05)):
             rows.append((f"MoorDyn, N = {n}, dt {inner:g}, coupling {step:g} s", *moordyn(n, inner, step)))
-    for n in (10, 20):
-        rows.append((f"nonlinear, N = {n}, step 0.05 s", *nonlinear(n, 0.05)))
     models = {n: tow_elastic(tow_case(), n) for n in (10, 20, 40)}
     for n, model in models.items():
         rows.append((f"linear full, N = {n}, {len(model.a)} states, step 0.1 s", *linear(model, 0.1)))
@@ -181,9 +155,6 @@ def main() -> None:
     for step in (0.1, 0.5):
         rows.append((f"linear reduced, N = 40, FMU and master, step {step:g} s",
                      *coupled("tow_system", "extensible = 1\nsegments = 40\ntolerance = 0.005", step, 120.0)))  # fmt: skip
-    rows.append(
-        ("nonlinear, N = 10, FMU and master, step 0.1 s", *coupled("tow_cable_nonlinear", "segments = 10", 0.1, 45.0))
-    )
     reference = next(
         (cost for name, _, cost in rows if name.startswith("MoorDyn, N = 20, dt 0.002, coupling 0.01")), None
     )

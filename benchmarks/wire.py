@@ -89,7 +89,7 @@ def numbers(chain: Chain, setting: list[float], times: list[float]) -> str:
     out += [*(0.5 * chain.mesh.lengths), *material.ravel()]
     out += [len(nodes)]
     for k, node in enumerate(nodes):
-        out += [node, *(m[k] for m in fixture.masses), fixture.weight[k], fixture.drag[k]]
+        out += [node, *(m[k] for m in fixture.masses), fixture.weight[k], fixture.drag[k], fixture.aft[k]]
     out += [1.0, 0.0, *np.zeros(chain.dimensions), *setting, len(times), *times]
     return " ".join(f"{float(x):.17g}" for x in out)
 

@@ -88,10 +88,10 @@ static void read_chain(Chain *chain)
     chain->last = 1.0;
     chain->fixtures = (int)next();
     int *nodes = malloc((size_t)(chain->fixtures + 1) * sizeof *nodes);
-    double *fixture = malloc((size_t)((chain->fixtures + 1) * (d + 2)) * sizeof *fixture);
+    double *fixture = malloc((size_t)((chain->fixtures + 1) * (d + 3)) * sizeof *fixture);
     for (int k = 0; k < chain->fixtures; k++) {
         nodes[k] = (int)next();
-        for (int i = 0; i < d + 2; i++) fixture[k * (d + 2) + i] = next();
+        for (int i = 0; i < d + 3; i++) fixture[k * (d + 3) + i] = next();
     }
     chain->fixture_node = nodes;
     chain->fixture = fixture;

@@ -49,7 +49,6 @@ PERHAPS = {
     "slender_body": {"craft_lateral"},
     "ship_in_sea": {"wave_height", "wave_direction", "speed"},
     "tow_system": {"velocity_heave"},
-    "tow_cable_nonlinear": {"velocity_heave"},
     "wire": {"velocity_heave"},
     "tow_cable": {"top_velocity_heave"},
 }
@@ -139,7 +138,7 @@ def test_the_fmu_says_the_same(name: str) -> None:
 @pytest.mark.parametrize("name", UNITS)
 def test_a_parameter_that_is_needed_has_an_example_in_the_unit_and_is_asked_of_a_scene(name: str) -> None:
     needed = {v.name for v in load(name).parameters if v.needed}
-    assert needed == ({"axial_stiffness"} if name in ("tow_cable", "tow_cable_nonlinear") else set())
+    assert needed == ({"axial_stiffness"} if name == "tow_cable" else set())
     assert {v.name for v in read_description(locator()(name)).variables if v.needed and v.causality == "parameter"} == needed
     for parameter in needed:
         data = alone(name, {v.name: v.start for v in load(name).inputs}).to_dict()
@@ -363,7 +362,7 @@ IMPOSSIBLE: list[tuple[str, dict[str, float], str]] = [
     ("slender_body", {"water_density": 1.025e6}, "water_density is above"),
     *(
         (tow, values, says)
-        for tow in ("tow_system", "tow_cable", "tow_cable_nonlinear")
+        for tow in ("tow_system", "tow_cable")
         for values, says in (
             ({"cable_weight": 9.0, "axial_stiffness": 1e6}, "cable_weight is above cable_mass"),
             ({"body_weight_in_water": 9e3, "axial_stiffness": 1e6}, "body_weight_in_water is above body_mass"),

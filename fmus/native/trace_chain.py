@@ -42,7 +42,7 @@ def point_functions(d: int) -> dict[str, ca.Function]:
     material = Material(*parts(k))
     g, rate, v, a = (column(name, d) for name in ("g", "rate", "v", "a"))
     n = dense(pull(tuple(parts(g)), tuple(parts(rate)), material, OPS)[0])
-    q = dense(load(tuple(parts(g)), tuple(parts(v)), tuple(parts(a)), material, OPS))
+    q = dense(load(tuple(parts(g)), tuple(parts(rate)), tuple(parts(v)), tuple(parts(a)), material, OPS))
     columns = [ca.densify(ca.jacobian(y, x)) for y, x in ((n, g), (n, rate), (q, g), (q, v), (q, a))]
     return {
         f"point_loads_{d}d": ca.Function(f"point_loads_{d}d", [g, rate, v, a, k], [n, q]),
@@ -65,7 +65,7 @@ def _moment(d: int, k: Any, material: Material) -> ca.Function:
     a = b - 2.0 * sigma * rate + sigma * sigma * bend - faster * g
     v = u - sigma * g - water
     n = pull(tuple(parts(g)), tuple(parts(rate)), material, OPS)[0]
-    q = load(tuple(parts(g)), tuple(parts(v)), tuple(parts(a)), material, OPS)
+    q = load(tuple(parts(g)), tuple(parts(rate)), tuple(parts(v)), tuple(parts(a)), material, OPS)
     return ca.Function(
         f"point_moment_{d}d", [dr, du, ddr, u, b, water, paid, place, k], [dense(n), half * dense(q)]
     )  # fmt: skip

@@ -110,6 +110,13 @@ class Choice:
     """How large a linear model is to be, and how near the truth."""
 
     segments: Annotated[Value, parameter("1", 0.0, "Number of segments; 0: as many as tolerance needs", min=0.0, max=400.0)]
+    grading: Annotated[
+        Value,
+        parameter(
+            "1", 0.0, "Length of the segment at the towpoint over that at the body; 0: chosen with segments, else 1",
+            min=0.0, max=100.0,
+        ),
+    ]  # fmt: skip
     tolerance: Annotated[Value, parameter("1", 0.02, "Relative error of the gains up to band", min=1e-5, max=0.5)]
     band: Annotated[
         Value, parameter("rad/s", 2.0, "Highest angular frequency for which tolerance holds", min=1e-3, max=1e3)

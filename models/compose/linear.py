@@ -10,17 +10,15 @@ A unit remembers u'' over a step of its own; here the outputs take it from the c
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from typing import Any
+
+import numpy as np
 
 from ..numeric.dependence import TRACED, Traced
 from ..numeric.ops import FLOATS, Ops, Value
 from ..protocol.linear_model import LinearModel, NoModes
 from ..protocol.model import AnyModel, Model, Spelling
 from .plan import CompositionError, named
-
-Row = Sequence[tuple[int, float]]
-"""(column, value) of what is not zero in a row of a matrix."""
 
 
 class LinearPart:
@@ -33,7 +31,7 @@ class LinearPart:
         unit = linear.prepared(p)
         self.constants, self._n = unit.constants, unit.states
         (a,), (b,), c, d, e, _ = unit.setup
-        self._a, self._b, self._c, self._d, self._e = ([*map(_row, matrix.tolist())] for matrix in (a, b, c, d, e))
+        self._rates, self._seen = np.hstack([a, b]), np.hstack([c, d, e])
         # what the unit remembers from its own step has no rate and is no state here
         own = linear.Own._make(Traced({k: 1}) for k in range(len(linear.Own._fields)))
         u = linear.Inputs._make(Traced({k: 1}) for k in range(len(linear.Inputs._fields)))
@@ -70,7 +68,7 @@ class LinearPart:
         v = self._spelled.core(own, u, rest, self.p, self.constants, ops)[0]
         own_rates = self._spelled.own_rates
         rates = own_rates(own, u, rest, self.p, self.constants, ops) if own_rates else ()
-        return self.State([*self._core_rates(x, v), *(rates[k] for k in self._moving)])
+        return self.State([*self._core_rates(x, v, ops), *(rates[k] for k in self._moving)])
 
     def outputs(self, t: Value, x: Any, m: Any, u: Any, du: Any, ddu: Any, p: Any, ops: Ops) -> Any:
         """All observables."""
@@ -80,11 +78,10 @@ class LinearPart:
                 own[k] = ddu[self._second[name]]
         own, u, du = self._named(own, u, du)
         v, v1, v2 = self._spelled.core(own, u, du, self.p, self.constants, ops)
-        z1 = self._core_rates(x, v)
-        y, y_rate = (
-            [_dot(c, a0) + _dot(d, a1) + _dot(e, a2) for c, d, e in zip(self._c, self._d, self._e)]
-            for a0, a1, a2 in ((z, v, v1), (z1, v1, v2))
-        )
+        z1 = self._core_rates(x, v, ops)
+        # rates of the rows behind those, the profile along a cable, are of no use
+        used = slice(self.linear.rates)
+        y, y_rate = ops.product(self._seen, [*z, *v, *v1]), ops.product(self._seen[used], [*z1, *v1, *v2])
         return self._spelled.observe(t, own, y, y_rate, u, du, 0.0, self.p, self.constants, ops)[0]
 
     def _named(self, own: Any, u: Any, du: Any) -> tuple[Any, Any, Any]:
@@ -99,8 +96,8 @@ class LinearPart:
             own[k] = x[place]
         return own
 
-    def _core_rates(self, x: Any, v: Any) -> list[Value]:
-        return [_dot(a, x) + _dot(b, v) for a, b in zip(self._a, self._b)]
+    def _core_rates(self, x: Any, v: Any, ops: Ops) -> tuple[Value, ...]:
+        return ops.product(self._rates, [*x[: self._n], *v])
 
 
 def linear_part(model: AnyModel, p: Any) -> AnyModel:
@@ -115,14 +112,3 @@ def linear_part(model: AnyModel, p: Any) -> AnyModel:
 def can_be_part(model: AnyModel) -> bool:
     """Whether `linear_part` can make a part of ``model``: linear, with matrices that do not change with its inputs."""
     return model.linear is not None and not model.linear.schedule
-
-
-def _row(values: Iterable[float]) -> Row:
-    return [(k, value) for k, value in enumerate(values) if value != 0.0]
-
-
-def _dot(row: Row, x: Sequence[Value]) -> Value:
-    total: Value = 0.0
-    for k, value in row:
-        total = total + value * x[k]
-    return total

@@ -106,6 +106,11 @@ def duals(ops: Ops) -> Ops:
         results = ops.kernel(of, lift(t).value, *(lift(a).value for a in rest))
         return tuple(Dual(value, slope * lift(t).slope) for value, slope in zip(results, of.slopes(results)))
 
+    def product(matrix: Any, vector: Any) -> tuple[Dual, ...]:
+        parts = [lift(a) for a in vector]
+        values, slopes = (ops.product(matrix, part) for part in ([a.value for a in parts], [a.slope for a in parts]))
+        return tuple(map(Dual, values, slopes))
+
     return Ops(
         sin=lambda a: Dual(ops.sin(lift(a).value), ops.cos(lift(a).value) * lift(a).slope),
         cos=lambda a: Dual(ops.cos(lift(a).value), -ops.sin(lift(a).value) * lift(a).slope),
@@ -117,6 +122,7 @@ def duals(ops: Ops) -> Ops:
         maximum=lambda a, b: where(lift(a) > b, a, b),
         where=where,
         kernel=kernel,
+        product=product,
     )
 
 

@@ -26,8 +26,9 @@ class MatrixOps:
     ``column`` makes a column of a vector, ``diagonal`` a diagonal matrix, ``elements`` a tuple of scalars; ``constant``
     takes an array of numbers.
 
-    ``march(step, start, constants, count)`` applies ``step(state, constants, ops) -> state`` on tuples of scalars ``count``
-    times and returns every component's values as a vector; a trace holds the text of ``step`` once."""
+    ``march(step, start, constants, varying)`` applies ``step(state, values, ops) -> state`` on tuples of scalars, once for each
+    element of the vectors ``varying``, which are the first of the values, before the constants; it returns every component's
+    values as a vector. A trace holds the text of ``step`` once."""
 
     zeros: Callable[[int, int], Matrix]
     eye: Callable[[int], Matrix]
@@ -39,7 +40,7 @@ class MatrixOps:
     column: Callable[[Any], Matrix]
     diagonal: Callable[[Any], Matrix]
     elements: Callable[[Any], tuple[Any, ...]]
-    march: Callable[[Step, Sequence[Any], Sequence[Any], int], list[Any]]
+    march: Callable[[Step, Sequence[Any], Sequence[Any], Sequence[Any]], list[Any]]
     scalars: Ops
     vectors: Ops
 
@@ -52,10 +53,10 @@ def numbers() -> MatrixOps:
     def matrix(rows: Sequence[Sequence[Any]]) -> Matrix:
         return np.array(rows, dtype=float)
 
-    def march(step: Step, start: Sequence[Any], constants: Sequence[Any], count: int) -> list[Any]:
+    def march(step: Step, start: Sequence[Any], constants: Sequence[Any], varying: Sequence[Any]) -> list[Any]:
         states, fixed = [tuple(map(float, start))], tuple(map(float, constants))
-        for _ in range(count):
-            states.append(tuple(step(states[-1], fixed, FLOATS)))
+        for each in zip(*(column.tolist() for column in varying)):
+            states.append(tuple(step(states[-1], (*each, *fixed), FLOATS)))
         return [np.array(values) for values in zip(*states[1:])]
 
     return MatrixOps(
@@ -73,11 +74,13 @@ def traces() -> MatrixOps:
     def matrix(rows: Sequence[Sequence[Any]]) -> Matrix:
         return ca.vertcat(*(ca.horzcat(*row) for row in rows))
 
-    def march(step: Step, start: Sequence[Any], constants: Sequence[Any], count: int) -> list[Any]:
-        state, fixed = ca.SX.sym("state", len(start)), ca.SX.sym("constants", len(constants))
+    def march(step: Step, start: Sequence[Any], constants: Sequence[Any], varying: Sequence[Any]) -> list[Any]:
+        count, rows = varying[0].numel(), len(varying) + len(constants)
+        state, fixed = ca.SX.sym("state", len(start)), ca.SX.sym("constants", rows)
         after = ca.vertcat(*step(tuple(ca.vertsplit(state)), tuple(ca.vertsplit(fixed)), symbols()))
         once = ca.Function(step.__name__, [state, fixed], [ca.densify(after)])
-        columns = once.mapaccum(count)(ca.vertcat(*start), ca.repmat(ca.vertcat(*constants), 1, count))
+        all_of = ca.vertcat(*(column.T for column in varying), ca.repmat(ca.vertcat(*constants), 1, count))
+        columns = once.mapaccum(count)(ca.vertcat(*start), all_of)
         return [columns[i, :].T for i in range(len(start))]
 
     # dense throughout: patterns of zeros would cost more text than they save time

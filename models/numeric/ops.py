@@ -8,7 +8,7 @@ form that a trace and a batch can follow.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,15 @@ NEGLIGIBLE = 1e-100
 """A scale that is not larger counts as zero: what is divided by it, or by its square, could overflow."""
 
 
+LARGE = 3000
+"""Terms of a product of a matrix from which on a trace holds it as a loop: as text they take a compiler minutes."""
+
+
+def dots(table: Any, vector: Sequence[Value]) -> tuple[Value, ...]:
+    """The matrix times the vector, term by term."""
+    return tuple(sum((c * v for c, v in zip(row, vector) if c != 0.0), 0.0) for row in table.tolist())
+
+
 def not_spelled(*values: Value) -> Value:
     """Stands for an operation that a kind of value does not have."""
     raise NotImplementedError("this kind of value does not have this operation")
@@ -31,7 +40,8 @@ def not_spelled(*values: Value) -> Value:
 @dataclass(frozen=True)
 class Ops:
     """The operations that model functions use. ``where(condition, a, b)`` is a where the condition holds, else b;
-    ``kernel(kernel, t, ...)`` are the results of a `kernel.Kernel`."""
+    ``kernel(kernel, t, ...)`` are the results of a `kernel.Kernel`; ``product(matrix, vector)`` is an array
+    of numbers times a vector of values."""
 
     sin: Callable[[Value], Value]
     cos: Callable[[Value], Value]
@@ -44,6 +54,7 @@ class Ops:
     where: Callable[[Value, Value, Value], Value]
     log1p: Callable[[Value], Value] = not_spelled
     kernel: Callable[..., tuple[Value, ...]] = not_spelled
+    product: Callable[[Any, Sequence[Value]], tuple[Value, ...]] = dots
 
 
 FLOATS = Ops(
@@ -58,6 +69,7 @@ FLOATS = Ops(
     where=lambda condition, a, b: a if condition else b,
     log1p=math.log1p,
     kernel=lambda kernel, *arguments: kernel.run(*arguments),
+    product=lambda matrix, vector: tuple((matrix @ vector).tolist()),
 )
 
 
@@ -72,4 +84,14 @@ def symbols() -> Ops:
     """Operations on CasADi symbols, for tracing a model to C."""
     import casadi as ca
 
-    return Ops(ca.sin, ca.cos, ca.exp, ca.sqrt, ca.fabs, ca.atan2, ca.fmin, ca.fmax, ca.if_else, ca.log1p)
+    def product(matrix: Any, vector: Sequence[Value]) -> tuple[Value, ...]:
+        if (matrix != 0.0).sum() < LARGE:
+            return dots(matrix, vector)
+        x = ca.MX.sym("x", len(vector))
+        rows = ca.Function("rows", [x], [ca.mtimes(ca.MX(ca.DM(matrix)), x)])
+        result = rows.call([ca.vertcat(*vector)], False, True)[0]
+        return tuple(result[k] for k in range(len(matrix)))
+
+    return Ops(
+        ca.sin, ca.cos, ca.exp, ca.sqrt, ca.fabs, ca.atan2, ca.fmin, ca.fmax, ca.if_else, ca.log1p, product=product
+    )

@@ -203,7 +203,7 @@ REST: dict[str, dict[str, float]] = {
     "sway_craft": {"sway_amplitude": 0.0}, "slender_body": {"tow_speed": 0.0}, "tow_system": {},
     "tow_cable": {}, "towed_body": {}, "body_force": {}, "ship_in_sea": {"wave_height": 0.0},
 }  # fmt: skip
-"""Start values of units at rest; a voyage never rests, and the nonlinear cable's equilibrium is iterated."""
+"""Start values of units at rest; a voyage never rests, and a wire's equilibrium is iterated."""
 ERRORS = ("margin_resolution", "margin_inextensible")
 """Margins of a model's own error, which rest does not change."""
 
@@ -275,8 +275,7 @@ def test_input_derivatives_act_inside_the_step(name: str, order: int) -> None:
 
 EVERYTHING = DOCKING | {"breaking_load": 6e4, "wave_speed": 900.0}
 """Parameters without which some output does not depend on what it may depend on."""
-WIDER = {"tow_system": {"margin_small_perturbation"}, "tow_cable_nonlinear": {"tension_body"},
-         "wire": {"tension_least", "margin_slack"},
+WIDER = {"tow_system": {"margin_small_perturbation"}, "wire": {"tension_least", "margin_slack"},
          # all that a sea moves: it is seen at the start and at looks, which are further apart than these steps
          "ship_in_sea": {v.name for v in load("ship_in_sea").observed if v.causality == "output"}
          - {"margin_response"}}  # fmt: skip

@@ -24,6 +24,7 @@ UNIT = load("wire")
 ARRAY = {
     "in_space": 1.0, "tail_length": 60.0, "tail_weight": 0.2, "clump_mass": 50.0, "clump_weight": 300.0, "clump_drag_area": 0.1,
     "current_surge": -0.5, "current_sway": 0.3, "current_depth": 60.0, "breaking_load": 3e4, "velocity_tolerance": 0.01,
+    "momentum_added_mass": 1.0, "body_added_mass_heave": 500.0, "body_lift": 200.0, "body_drag": 150.0,
 }  # fmt: skip
 HANGING = {
     "elements": 12.0, "degree": 1.0, "loading_form": 0.0, "wire_tangential_drag": 0.02, "wire_damping": 1e4, "tow_speed": 0.0,
@@ -238,4 +239,4 @@ def test_numbers_are_those_of_the_model() -> None:
     wire, found = wire_parameters.wire_of(p), wire_parameters.numbers(p, FLOATS)
     assert (found.tail, found.wire) == tuple(part.material(p.water_density) for part in wire.sections)
     assert wire.body is not None and found.body[3] == wire.body.weight and found.clump[3] == wire.clumps[0][1].weight
-    assert len(list(flat(found))) == 16 + 2 * 15 + 2 * 5 + 2 + 6
+    assert len(list(flat(found))) == 16 + 2 * 16 + 2 * 6 + 2 + 6

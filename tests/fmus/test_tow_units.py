@@ -19,7 +19,7 @@ from towage.models.cable.units import tow_system
 
 OMEGA, STEP = 1.2, 0.1
 LINEAR = ("tow_system", "tow_cable")
-ALL = (*LINEAR, "towed_body", "tow_cable_nonlinear", "body_force")
+ALL = (*LINEAR, "towed_body", "body_force")
 
 
 def started(name: str, **parameters: float) -> Instance:
@@ -135,8 +135,6 @@ def test_state_restores_to_the_bit(name: str) -> None:
         ("tow_system", {"body_mass": -1.0}, "at least 0"),
         ("tow_system", {"cable_length": -3.0}, "positive"),
         ("tow_cable", {"axial_stiffness": 0.0}, "over-determined"),
-        ("tow_cable_nonlinear", {"axial_stiffness": 0.0}, "finite axial stiffness"),
-        ("tow_cable_nonlinear", {"internal_step": 0.0}, "internal_step|at least"),
     ],
 )
 def test_refused_parameters(name: str, values: dict[str, float], message: str) -> None:

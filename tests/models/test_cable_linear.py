@@ -11,7 +11,8 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from towage.models.cable.case import CableError, Tow
+from towage.models.cable.case import Body, Cable, CableError, Tow
+from towage.models.cable.loading import eames
 from towage.models.cable.lumped.fidelity import choose, exact_gains
 from towage.models.cable.lumped.forces import node_load, segment_forces
 from towage.models.cable.lumped.linear import StateSpace, cable_elastic, rigid_model, tow_elastic, tow_rigid
@@ -147,7 +148,7 @@ def residual_model(name: str, count: int, stiffness: float) -> np.ndarray:
     at = [shape.at(k * segment) for k in range(count + 1)]
     nodes = np.array([[p[2], p[3]] for p in at])
     tension = np.array([shape.at((k + 0.5) * segment)[1] for k in range(count)])
-    m = matrices(Chain(exact, nodes, tension, segment), elastic=True)
+    m = matrices(Chain(exact, nodes, tension, np.full(len(tension), segment)), elastic=True)
     mass, damping = m.mass.copy(), m.damping.copy()
     mass[:2, :2] += m.body_mass
     damping[:2, :2] += m.body_damping
@@ -258,6 +259,22 @@ def test_choice_by_tolerance() -> None:
     truth = exact_gains(tow("R3"), frequencies.tolist())
     # measured at three other frequencies of the band
     assert relative_error(gains, truth, 2) < 0.05
+
+
+def test_segments_are_graded_where_a_light_body_bends_the_cable() -> None:
+    """280 N at the end of 900 m at 4 knots: of as many segments a third of the error; the order stays 2."""
+    light = Tow(
+        Cable(900.0, 0.5, 3.0, 0.012, 1.2, eames(0.02), 1.0, False, 4e6), Body(60.0, 15.0, 15.0, 280.0, 0.0, 100.0, 100.0, 50.0),
+        2.0, 1025.0, 1,
+    )  # fmt: skip
+    found = choose(light, True, 1.0, 0.1)
+    assert found.grading > 1.0 and found.error <= 0.1
+    n, by = found.nodes, found.grading
+    equal, *graded = (
+        choose(light, True, 1.0, 0.1, count, reduced=False, grading=g).error for count, g in ((n, 1.0), (n, by), (2 * n, by))
+    )
+    assert equal > 2.0 * graded[0]
+    assert math.log2(graded[0] / graded[1]) == pytest.approx(2.0, abs=0.3)
 
 
 def test_refusals() -> None:

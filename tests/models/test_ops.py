@@ -89,3 +89,27 @@ def test_no_traced_function_uses_math_or_branches_on_values(name: str) -> None:
                 assert not isinstance(inner, (ast.If, ast.IfExp, ast.While, ast.Assert)), where
                 if isinstance(inner, ast.Attribute) and isinstance(inner.value, ast.Name) and inner.value.id == "math":
                     assert inner.attr == "pi", where
+
+
+def test_a_large_product_is_a_loop_in_a_trace() -> None:
+    """Its values and derivatives are those of the terms written out; its text does not grow with the matrix."""
+    ca = pytest.importorskip("casadi")
+    from towage.models.numeric.dual_ops import Dual, duals
+    from towage.models.numeric.ops import LARGE, dots, symbols
+
+    generator = np.random.default_rng(2)
+    table = generator.normal(size=(40, LARGE // 40 + 1))
+    x, dx = generator.normal(size=(2, table.shape[1]))
+    a = ca.SX.sym("a", len(x))
+    parts = [a[k] for k in range(len(x))]
+    assert np.allclose(FLOATS.product(table, x.tolist()), dots(table, x.tolist()))
+    for product in (symbols().product, dots):
+        y = ca.vertcat(*product(table, [ca.sin(each) for each in parts]))
+        traced = ca.Function("traced", [a], [y])
+        assert np.allclose(traced(x).full(), table @ np.sin(x)[:, None], rtol=1e-12, atol=1e-12)
+        slope = traced.forward(1)(x, traced(x), dx)
+        assert np.allclose(slope.full(), table @ (np.cos(x) * dx)[:, None], rtol=1e-12, atol=1e-12)
+        assert (traced.n_instructions() < len(x) * 10) == (product is not dots)
+    both = duals(symbols()).product(table, [Dual(each, 2.0 * each) for each in parts])
+    values = ca.Function("both", [a], [ca.vertcat(*(b.value for b in both)), ca.vertcat(*(b.slope for b in both))])(x)
+    assert np.allclose(2.0 * values[0].full(), values[1].full()) and np.allclose(values[0].full(), table @ x[:, None])

@@ -39,8 +39,8 @@ from towage.scene.scene_file import toml
 from towage.scene.select import select
 from towage.units.store import locator
 
-LUMPED = str(Path(__file__).parent / "verdict" / "heavy_weather_lumped.toml")
-"""Heavy weather on `tow_cable_nonlinear`."""
+HEAVY = str(Path(__file__).parent / "verdict" / "heavy_weather_linear.toml")
+"""Heavy weather on `tow_system`."""
 SHORT = {"stop_time": 40.0, "checks.sdof.settle": 16.0}
 """Two waves of `sea_cliff` after her start."""
 
@@ -139,7 +139,7 @@ def test_every_shipped_scene_has_rungs_that_fit_or_say_why(name: str) -> None:
 
 
 def test_a_tow_becomes_spring_linear_and_nonlinear() -> None:
-    for name, case in (("tow_600ft", "half a foot of heave"), ("tow_two_units", None), (LUMPED, "3 m of heave")):
+    for name, case in (("tow_600ft", "half a foot of heave"), ("tow_two_units", None), (HEAVY, "3 m of heave")):
         base = trial(name, case)
         made = {r.levels: r for r in rungs_of(base, axes_of(base)[0]) if r.trial}
         kinds = {
@@ -147,26 +147,38 @@ def test_a_tow_becomes_spring_linear_and_nonlinear() -> None:
             for levels, r in made.items() if r.trial
         }  # fmt: skip
         assert kinds["massless spring EA/L"] == {"spring_line", "cradle"}
-        assert kinds["nonlinear cable"] == {"tow_cable_nonlinear"}
+        assert kinds["nonlinear wire"] == {"wire"}
         assert kinds["linear cable"] <= {"tow_system", "tow_cable"}
-        assert len(made) == (10 if name == LUMPED else 8)
+        assert len(made) == 8
 
 
-def test_a_tow_and_the_wire_that_takes_its_place_are_one() -> None:
+@pytest.mark.parametrize(
+    ("name", "case", "within"), [(HEAVY, "3 m of heave", 0.02), ("tow_600ft", "half a foot of heave", 0.001)]
+)
+def test_a_tow_and_the_wire_that_takes_its_place_are_one(name: str, case: str, within: float) -> None:
     """There and back: what the `wire` of a tow becomes as a towing unit is that tow. What it cannot describe it names."""
-    base = trial(LUMPED, "3 m of heave")
+    base = trial(name, case)
     there = towed_wire(base)
     back = cabled(there)
     assert {unit.description.model_name for unit in back.resolved.units.values()} == {"ship", "tow_system"}
     for field in fields(TowParameters):
         if field.name != "perturbation_limit":
             assert back.value("tow", field.name) == pytest.approx(base.value("tow", field.name), rel=1e-12), field.name
-    # drag, weight and stretch: the steady pull of both at the ship, of segments to second order against elements of the fourth
+    # drag, weight and stretch: the steady pull of both at the ship, of segments to second order against elements of the fourth:
+    # 12 lump a twelfth of the weight and drag at each end
     steady = [towage.run(bare(made.scene).setting({"stop_time": 0.2}, "test"))["tow.tension_top"][0] for made in (there, base)]
-    assert steady[1] == pytest.approx(steady[0], rel=0.02)  # 12 segments lump a twelfth of the weight and drag at each end
-    others = trial("tow_600ft", "half a foot of heave")
-    with pytest.raises(Unfit, match="does not know the momentum form of the added mass, nor a constant drag"):
-        towed_wire(others)
+    assert steady[1] == pytest.approx(steady[0], rel=within)
+
+
+def test_a_force_aft_is_one_forward_of_the_other_sign() -> None:
+    there = towed_wire(trial("float_quadrant2", None, {"tow.axial_stiffness": 4e6}))
+    (connection,) = (c for c in there.resolved.connections if c.target == "body_force_surge")
+    assert connection.factor == -1.0 and connection.source == "drag_change"
+    assert cabled(there).value("tow", "quadrant") == 2.0
+    ten = {"tow.loading_form": 2.0, "tow.normal_a0": 1.0, "tow.tangential_a0": 0.1}
+    general = trial("tow_600ft", "half a foot of heave", ten)
+    with pytest.raises(Unfit, match="the wire does not know ten coefficients"):
+        towed_wire(general)
 
 
 def test_a_wire_has_its_rungs_with_the_weight_that_a_spring_does_not_bear() -> None:

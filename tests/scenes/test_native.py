@@ -10,6 +10,7 @@ import pytest
 from msgspec.structs import replace
 
 from towage.errors import FmuError
+from towage.fmus.declare import unit as declared
 from towage.fmus.python.build import build
 from towage.master.master import Master
 from towage.scene import flavour
@@ -136,9 +137,9 @@ def test_native_without_means_is_refused_with_the_remedy(own_cache: Path, monkey
         used(None, "native")
 
 
-def test_a_unit_without_native_flavour_runs_in_python() -> None:
-    scene = Scene.load(Path(__file__).parent / "verdict" / "heavy_weather_lumped.toml")
-    resolved = resolve(replace(scene, cases=()), None, "native")
+def test_a_unit_without_native_flavour_runs_in_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(declared.Unit, "not_native", property(lambda unit: "it is not traced" if unit.name == "wire" else ""))
+    resolved = resolve(replace(Scene.load("tow_heavy_weather"), cases=()), None, "native")
     assert {name: unit.flavour for name, unit in resolved.units.items()} == {"ship": "native", "tow": "python"}
 
 
@@ -159,5 +160,5 @@ def test_structure_follows_the_values(monkeypatch: pytest.MonkeyPatch) -> None:
         units = {"tow": replace(scene.units["tow"], parameters=parameters)}
         with pytest.raises(FmuError, match="noted"):
             resolve(replace(scene, units=units), None, "native")
-    assert built[1] == {"segments": 7.0, "extensible": 0.0}
+    assert built[1] == {"segments": 7.0, "extensible": 0.0, "grading": 1.0}
     assert built[0]["segments"] >= 6.0

@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import towage
 from towage.checks import towing
 from towage.cli import main
 from towage.master.master import Master
+from towage.models.cable.lumped.second_order import second_order
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import respond
 from towage.models.cable.units import tow_cable, tow_system
@@ -26,8 +28,8 @@ from towage.scene.scene import Scene
 
 LINEAR = ("tow_600ft", "tow_report_sample", "float_quadrant2", "tow_5km")
 SCENES = (*LINEAR, "tow_two_units")
-LUMPED = Path(__file__).parent / "verdict" / "heavy_weather_lumped.toml"
-"""Heavy weather on `tow_cable_nonlinear`."""
+HEAVY = Path(__file__).parent / "verdict" / "heavy_weather_linear.toml"
+"""Heavy weather on `tow_system`."""
 
 
 def amplitude(time: np.ndarray, values: np.ndarray, omega: float, periods: int) -> complex:
@@ -177,12 +179,9 @@ def test_checks_choose_the_fidelity() -> None:
 
 @pytest.mark.slow
 def test_checks_send_a_rough_scene_to_the_nonlinear_unit() -> None:
-    heavy = Master(Scene.load(LUMPED), "3 m of heave", flavour="python").resolved
-    check = towing.before_run(heavy)[0]
-    assert check.level == "ok" and "nonlinear is enough, the scene has nonlinear" in check.message
-    rough = Master(Scene.load("tow_600ft"), "3 ft of heave", flavour="python").resolved
-    check = towing.before_run(rough)[0]
-    assert check.level == "warning" and "nonlinear is enough, the scene has linear" in check.message
+    for name, case in ((HEAVY, "3 m of heave"), ("tow_600ft", "3 ft of heave")):
+        check = towing.before_run(Master(Scene.load(name), case, flavour="python").resolved)[0]
+        assert check.level == "warning" and "nonlinear is enough, the scene has linear" in check.message
 
 
 @pytest.mark.parametrize("name", ["float_quadrant2", "tow_two_units"])
@@ -192,7 +191,7 @@ def test_what_only_the_run_tells_is_said_before_it(name: str) -> None:
 
 
 def test_error_of_linearity_as_measured() -> None:
-    tow = towing.scene_tows(Scene.load(LUMPED))[0].tow
+    tow = towing.scene_tows(Scene.load(HEAVY))[0].tow
     omega = 0.4 * math.pi
     # 9.6 % of the top tension's waveform at 1 m by the nonlinear cable in time
     assert towing.linearity_error(tow, 1.0 * omega, omega, True) == pytest.approx(0.096, rel=0.2)
@@ -210,6 +209,18 @@ def test_response_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert len(document["tows"][0]["gains"]) == 6
     # the same files to the byte
     assert [(tmp_path / n).read_bytes() for n in names] == first
+
+
+def test_response_to_second_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Columns and file; it grows as the square of the excitation, and the numbers are those of `second_order`."""
+    (once,), (twice,) = (towage.response("tow_600ft", frequencies=[0.2], excitation={"heave": a}) for a in (0.1, 0.2))
+    one, two = once.second_rows()[0], twice.second_rows()[0]
+    found = second_order(once.tow.tow, 0.4 * math.pi, Excitation(heave=0.1), quadratic_drag=False)
+    assert one["body_heave_mean"] == found.mean.body_heave.real and one["tension_top_second"] == abs(found.second.tension_top)
+    assert two["body_heave_mean"] == pytest.approx(4.0 * one["body_heave_mean"], rel=1e-6)
+    assert main(["response", "tow_600ft", "--points", "2", "--second", "--json", "--out", str(tmp_path)]) == 0
+    assert len(json.loads(capsys.readouterr().out)["tows"][0]["second"]) == 2
+    assert (tmp_path / "tow_second.csv").read_text().startswith("frequency_hz,tension_top_mean,")
 
 
 def test_response_command_refuses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -233,17 +244,18 @@ def test_long_scenes_run(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("case", "within"), [("3 m of heave", 0.01), ("6 m of heave", 0.025)])
 def test_heavy_weather_as_lumped_masses_find_it(case: str, within: float) -> None:
-    """Another cable, of 12 equal segments: the tension at the top to a hundredth of the largest, in the near-slack case to
-    what its segments miss; there it finds the cable slack, the wire a least tension of 470 N. The linear model predicts slack
-    at 6.0 m, an independent program at 6.3 m."""
-    wire, lumped = (Master(Scene.load(name), case, flavour="python").run() for name in ("tow_heavy_weather", LUMPED))
-    assert wire.verdict is not None and lumped.verdict is not None and wire.verdict.word == lumped.verdict.word == "valid"
-    late = wire.time > 30.0
+    """24 elements of degree 1: the tension at the top to a hundredth of the largest, in the near-slack case to what segments
+    miss. The linear model predicts slack at 6.0 m, an independent program at 6.3 m."""
+    scene = Scene.load("tow_heavy_weather")
+    lumps = {"tow.degree": 1.0, "tow.elements": 24.0, "tow.tolerance": 0.1}
+    runs = [Master(given, case, flavour="python").run() for given in (scene, scene.setting(lumps, "test"))]
+    assert [run.verdict.word for run in runs if run.verdict] == ["valid", "valid"]
+    late = runs[0].time > 30.0
     (low, high), (low2, high2) = (
-        (float(r.columns["tow.tension_top"][late].min()), float(r.columns["tow.tension_top"][late].max())) for r in (wire, lumped)
+        (float(r.columns["tow.tension_top"][late].min()), float(r.columns["tow.tension_top"][late].max())) for r in runs
     )
     assert abs(low - low2) < within * high and abs(high - high2) < within * high
-    assert 0.0 < wire.columns["tow.tension_least"].min() < 4000.0
+    assert 0.0 < runs[0].columns["tow.tension_least"].min() < 4000.0
 
 
 def test_a_turn_sinks_the_fish_and_brings_it_back() -> None:

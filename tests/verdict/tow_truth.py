@@ -84,7 +84,7 @@ def solve(tow: Tow, sea: Sea, times: Array, tolerance: float, shape: float, long
     fixture = chain.fixtures[1]
     arrays = [
         0.5 * chain.mesh.lengths, np.hstack([np.broadcast_to(column, (elements, 1)) for column in chain.material]),
-        np.concatenate([*fixture.masses, fixture.weight, fixture.drag]), stream,
+        np.concatenate([*fixture.masses, fixture.weight, fixture.drag, fixture.aft]), stream,
         equilibrium(chain, frame, rest.position(chain.mesh.places)),
     ]  # fmt: skip
     sides = [part for x in sea.amplitudes.T for part in (x.real, x.imag)]

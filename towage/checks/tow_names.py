@@ -2,8 +2,7 @@
 
 WHOLE = "tow_system"
 LINEAR = (WHOLE, "tow_cable")
-UNITS = (*LINEAR, "tow_cable_nonlinear")
-"""The units that tow, that of small perturbations with its body, and those of small perturbations."""
+"""The units of small perturbations: that with its body, and all."""
 SMALL = "margin_small_perturbation"
 """The margin of linear tows that is a rough sign until a check has found the error: it decides nothing by itself."""
 OWN = ("tension_top", "tension_body", "body_surge", "body_heave")

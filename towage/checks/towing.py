@@ -1,7 +1,7 @@
 """The tows in a scene: their frequency response, and which model a scene of theirs needs.
 
 Three fidelities are offered: the linear unit reduced (`tow_system`, reduced = 1), the linear unit full (reduced = 0) and
-the nonlinear unit (`tow_cable_nonlinear`). `before_run` names the cheapest whose measured error is below the scene's
+the nonlinear one (`wire`). `before_run` names the cheapest whose measured error is below the scene's
 tolerance: errors of segments and reduction against the frequency domain, error of linearity by the nonlinear equations
 (``models/cable/lumped/linearity.py``). The ladder runs the simplest model of all, a body on a spring.
 """
@@ -14,14 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from towage.checks.tow_names import LINEAR, UNITS
+from towage.checks.tow_names import LINEAR
 from towage.models.cable.case import CableError, Tow
 from towage.models.cable.lumped.fidelity import Chosen, choose
 from towage.models.cable.lumped.linearity import regular
 from towage.models.cable.parameters import TowParameters, tow_of
 from towage.models.cable.steady.perturbation import Excitation
 from towage.models.cable.steady.response import mesh, responses
-from towage.models.cable.units import tow_system
+from towage.models.cable.units import tow_cable, tow_system
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene, ResolvedUnit, described
 from towage.scene.scene import Scene
@@ -48,7 +48,7 @@ def tows(resolved: ResolvedScene) -> list[SceneTow]:
     tows = []
     for name, unit in resolved.units.items():
         kind = unit.description.model_name
-        if kind not in UNITS:
+        if kind not in LINEAR:
             continue
         values = _values(unit)
         shared = TowParameters(**{f: values[f] for f in TowParameters.__dataclass_fields__})
@@ -138,11 +138,38 @@ def before_run(resolved: ResolvedScene) -> list[Finding]:
     """Which fidelity every tow of a scene needs, with the measured errors of the cheaper ones; where only the run will tell what
     drives it, that."""
     tolerance = tolerance_of(resolved.scene)
-    return [
+    found = tows(resolved)
+    return [finding for t in found if (finding := _segments(t))] + [
         _fidelity(t, t.drive, tolerance) if t.drive and t.unit != "tow_cable" else _later(t, tolerance)
-        for t in tows(resolved)
-        if t.unit in LINEAR or t.drive
+        for t in found
     ]
+
+
+def _chosen(tow: SceneTow) -> Chosen:
+    """The model of a tow. Raises `CableError`."""
+    p = tow.parameters
+    if tow.unit == "tow_cable":
+        return tow_cable.chosen(tow_cable.Parameters(**{k: p[k] for k in tow_cable.Parameters.__dataclass_fields__}))
+    return tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in tow_system.Parameters.__dataclass_fields__}))
+
+
+def _segments(tow: SceneTow) -> Finding | None:
+    """How many segments would do, where as many as are chosen by themselves do not reach the tolerance of the unit."""
+    wanted = tow.parameters["tolerance"]
+    if tow.parameters["segments"]:
+        return None
+    try:
+        found = _chosen(tow)
+    except CableError:
+        return None  # said by `_fidelity`, and by the unit itself
+    if found.error <= wanted:
+        return None
+    need = math.ceil(found.nodes * math.sqrt(found.error / wanted))
+    return Finding(
+        f"segments of {tow.name}", "warning", found.error, wanted,
+        f"{found.nodes} segments, the most that are chosen, leave {found.error:.2g}; {tow.name}.tolerance is {wanted:g}: about "
+        f"{need} would reach it, with {tow.name}.grading = {found.grading:g}; or take the unit wire",
+    )  # fmt: skip
 
 
 def _later(tow: SceneTow, tolerance: float) -> Finding:
@@ -156,21 +183,14 @@ def _fidelity(tow: SceneTow, drive: tuple[float, float], wanted: float) -> Findi
     name = f"fidelity of {tow.name}"
     try:
         nonlinear = linearity_error(tow.tow, velocity, omega, p["body_quadratic_drag"] > 0.5)
-        if tow.unit == "tow_system":
-            keys = tow_system.Parameters.__dataclass_fields__
-            reduced = tow_system.chosen(tow_system.Parameters(**{k: p[k] for k in keys}))
-        else:
-            extensible = math.isfinite(tow.tow.cable.axial_stiffness)
-            reduced = choose(tow.tow, extensible, max(omega * 1.5, 1e-3), min(0.5, wanted))
+        reduced = _chosen(tow)
     except CableError as error:
         return Finding(name, "warning", None, wanted, f"not judged: {error}")
     full = unreduced_error(tow.tow, reduced, omega)
     errors = {"linear reduced": nonlinear + reduced.error, "linear full": nonlinear + full, "nonlinear": 0.0}
     need = next(k for k, e in errors.items() if e <= wanted)
     listed = ", ".join(f"{k} {e:.2g}" for k, e in errors.items() if k != "nonlinear")
-    used = (
-        "nonlinear" if tow.unit == "tow_cable_nonlinear" else "linear full" if p["reduced"] < 0.5 else "linear reduced"
-    )
+    used = "linear full" if p["reduced"] < 0.5 else "linear reduced"
     order = list(errors)
     enough = order.index(used) >= order.index(need)
     return Finding(

@@ -6,14 +6,14 @@ The numbers are in `towing` and `linearity`, whose models take long to import: o
 from __future__ import annotations
 
 from towage.checks.check import Check, Finished, Start
-from towage.checks.tow_names import OWN, UNITS, WHOLE
+from towage.checks.tow_names import LINEAR, OWN, WHOLE
 from towage.result.records import Finding
 from towage.scene.resolve import ResolvedScene
 
 
 def has_tow(scene: ResolvedScene) -> bool:
     """Whether a unit of the scene tows."""
-    return any(unit.description.model_name in UNITS for unit in scene.units.values())
+    return any(unit.description.model_name in LINEAR for unit in scene.units.values())
 
 
 def before(start: Start) -> list[Finding]:
@@ -27,7 +27,7 @@ def before(start: Start) -> list[Finding]:
 
 def reads(scene: ResolvedScene) -> tuple[str, ...]:
     """Whatever is connected to an input of a unit of the kinds that tow, or of a towed body, and what a linear tow made of it."""
-    kinds = {*UNITS, "towed_body"}
+    kinds = {*LINEAR, "towed_body"}
     driven = {name for name, unit in scene.units.items() if unit.description.model_name in kinds}
     wholes = [name for name, unit in scene.units.items() if unit.description.model_name == WHOLE]
     sources = (f"{c.source_unit}.{c.source}" for c in scene.connections if c.target_unit in driven)

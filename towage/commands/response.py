@@ -30,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--at", metavar="HZ", type=_hertz, action="append", default=[], help="tabulate the cable at HZ")
     parser.add_argument("--stations", metavar="N", type=common.points, default=20, help="points along the cable (default: 20)")
+    parser.add_argument("--second", action="store_true", help="the mean shift and what moves at twice the frequency, too")
     lift = parser.add_argument_group("a lift: a ship with a cradle on a line")
     lift.add_argument("--limits", action="store_true", help="the heave at which the line goes slack, and breaks")
     lift.add_argument(
@@ -40,8 +41,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.epilog = (
         "Amplitudes are for 1 m of heave of the towpoint (Quadrant I) or 1 N of lift on the body (Quadrant II), or for what\n"
-        "--excite says, phases as q = |q| cos(omega t - phase). Writes <unit>_response.csv and .svg, and along the cable\n"
-        "<unit>_cable.csv and .svg, at the frequency of the ship's heave (the middle of the range without a ship) or --at.\n\n"
+        "--excite says, phases as q = |q| cos(omega t - phase). Writes <unit>_response.csv and .svg, with --second\n"
+        "<unit>_second.csv, and along the cable <unit>_cable.csv and .svg, at the frequency of the ship's heave (the middle of\n"
+        "the range without a ship) or --at.\n\n"
         "A lift is followed along exact orbits, up and, where the line goes slack, down again: lift_response.csv and .svg,\n"
         "with --limits lift_limits.csv.\n\n"
         "examples:\n  towage response tow_600ft --to 2\n  towage response slack --limits --points 10\n"
@@ -89,23 +91,34 @@ def execute(arguments: argparse.Namespace) -> int:
 def _tows(arguments: argparse.Namespace, scene: Scene, last: float, out: Path) -> int:
     import numpy as np
 
+    from towage.errors import SceneError
     from towage.frequency_response.response import response, save_rows
+    from towage.models.cable.case import CableError
 
     if arguments.limits or arguments.starts:
         raise _not_for("--limits and --starts", "a lift", "a tow")
     hertz = np.geomspace(arguments.first, last, arguments.points)
     answers = response(scene, frequencies=hertz, excitation=_excitation(arguments.excite), fmus=arguments.fmus)
+    try:
+        second = {answer.name: answer.second_rows() for answer in answers} if arguments.second else {}
+    except CableError as error:
+        raise SceneError(f"--second: {error}") from error
     for answer in answers:
         files = [*answer.save_plots(out), out / f"{answer.name}_response.csv", out / f"{answer.name}_cable.csv"]
         answer.save_csv(files[-2])
         tables = [answer.along(at, arguments.stations) for at in arguments.at or [None]]
         save_rows(files[-1], [row for table in tables for row in table])
+        if arguments.second:
+            files.append(out / f"{answer.name}_second.csv")
+            save_rows(files[-1], second[answer.name])
         if not arguments.json:
             print(answer.text())
             print(f"written to {out}: {', '.join(file.name for file in files)}")
     if arguments.json:
         documents = [
-            {"unit": a.name, "quadrant": a.tow.tow.quadrant, "excitation": a.per, "gains": a.rows()} for a in answers
+            {"unit": a.name, "quadrant": a.tow.tow.quadrant, "excitation": a.per, "gains": a.rows()}
+            | ({"second": second[a.name]} if second else {})
+            for a in answers
         ]
         print(json.dumps({"tows": documents}, indent=2))
     return 0
@@ -116,8 +129,8 @@ def _lift(arguments: argparse.Namespace, scene: Scene, last: float, out: Path) -
 
     from towage.frequency_response.lift import lift_response
 
-    if arguments.excite or arguments.at:
-        raise _not_for("--excite and --at", "a tow", "a lift, which its ship excites")
+    if arguments.excite or arguments.at or arguments.second:
+        raise _not_for("--excite, --at and --second", "a tow", "a lift, which its ship excites")
     hertz = np.geomspace(arguments.first, last, arguments.points)
     answer = lift_response(
         scene, frequencies=hertz, limits=arguments.limits, starts=arguments.starts, fmus=arguments.fmus

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--progress", choices=("auto", "json", "none"), default="auto", help="as of towage run")
     parser.epilog = (
         "Every model that can be made of the scene is run, from the simplest to the fullest: one way or two ways, linear or\n"
-        "quadratic drag, always taut, with slack, elastic or nonlinear wire, regular wave, spring, linear or nonlinear cable,\n"
+        "quadratic drag, always taut, with slack, elastic or nonlinear wire, regular wave, spring or linear cable,\n"
         "rigid or flexible body. Writes <case>.toml, the scene of the cheapest that is enough, ladder.json and report.html.\n\n"
         "example:\n  towage simplest sea_cliff --case '8 s wave' --tolerance 0.02\n"
         "  towage run out/sea_cliff_simplest/8_s_wave.toml"

@@ -69,6 +69,23 @@ class Response:
             table.append(row)
         return table
 
+    def second_rows(self) -> list[dict[str, float]]:
+        """A row a frequency of what is of second order in `excitation`: ``_mean``, the shift of the mean, and ``_second`` and
+        ``_second_phase``, magnitude and phase of what moves at twice the frequency, of the same tensions (N) and motions (m); the
+        body's are from the towpoint. Raises `CableError` where they are not found."""
+        from towage.models.cable.lumped.second_order import second_order
+
+        quadratic, table = self.tow.parameters["body_quadratic_drag"] > 0.5, []
+        for gain in self.gains:
+            found = second_order(self.tow.tow, gain.omega, self.excitation, quadratic)
+            row = {"frequency_hz": gain.omega / (2.0 * math.pi)}
+            for name in COLUMNS:
+                amplitude = getattr(found.second, name)
+                row[f"{name}_mean"] = getattr(found.mean, name).real
+                row[f"{name}_second"], row[f"{name}_second_phase"] = abs(amplitude), cmath.phase(amplitude)
+            table.append(row)
+        return table
+
     def text(self, most: int = 12) -> str:
         """A table for a terminal, of about ``most`` of the frequencies."""
         tow = self.tow.tow
@@ -153,6 +170,6 @@ def response(
     except ValueError as error:
         raise SceneError(str(error), file=chosen.file, key="units") from error
     if not answers:
-        expected = "expected a unit tow_system, tow_cable or tow_cable_nonlinear, or a ship with a cradle on a line"
+        expected = "expected a unit tow_system or tow_cable, or a ship with a cradle on a line"
         raise SceneError(f"no tow and no lift: {expected}", file=chosen.file, key="units")
     return answers

@@ -1,8 +1,8 @@
-"""The axis of a tow: a massless spring, the linear cable with states reduced or with all, the nonlinear cable, the wire.
+"""The axis of a tow: a massless spring, the linear cable with states reduced or with all, the nonlinear wire.
 
-The towing units share their parameters (`models.cable.parameters.TowParameters`), so that one takes the place of another; a
-`tow_cable` with its `towed_body` becomes one unit with its body. A `wire` takes their place, and they
-that of one that is towed, where it is the same tow (`wire`). The spring is EA/L between the ship and a cradle of the body's
+The towing units share their parameters (`models.cable.parameters.TowParameters`), so that a `tow_cable` with its
+`towed_body` becomes one unit with its body. A `wire` takes their place, and they that of one that is towed, where it is the
+same tow (`wire`). The spring is EA/L between the ship and a cradle of the body's
 mass, with the linear part of the body's drag.
 """
 
@@ -11,50 +11,41 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import fields
 
-from towage.checks.tow_names import UNITS
+from towage.checks.tow_names import LINEAR, WHOLE
 from towage.ladder.axis import Axis, Level, Trial, Unfit, entry
 from towage.ladder.spring import on_spring
 from towage.ladder.wire import cabled, coarse, has_wire, wired, wires
-from towage.models.cable.parameters import Choice, TowParameters
-from towage.units.description import Value
+from towage.models.cable.parameters import TowParameters
 
-LINEAR = ("tow_system", "tow_cable")
-NONLINEAR = "tow_cable_nonlinear"
 SHARED = tuple(field.name for field in fields(TowParameters))
-CHOICE = tuple(field.name for field in fields(Choice))
 INPUTS = {"top_velocity_surge": "velocity_surge", "top_velocity_heave": "velocity_heave"}
 """What inputs of `tow_cable` are called in the units with a body."""
 BODY = {"surge": "body_surge", "heave": "body_heave", "velocity_surge": "body_velocity_surge",
         "velocity_heave": "body_velocity_heave"}  # fmt: skip
 """What outputs of `towed_body` are called there."""
-SEGMENTS = 20.0
-"""Of a nonlinear cable, where a linear one does not tell how many it needs."""
-INTERNAL = 0.05
-"""Largest implicit step of a nonlinear cable, s, as its start value."""
 
 
 def _no_tow(trial: Trial) -> str:
-    return "" if trial.units(*UNITS) or wires(trial, towed=True) else "nothing is towed on a cable"
+    return "" if trial.units(*LINEAR) or wires(trial, towed=True) else "nothing is towed on a cable"
 
 
 def _tow(trial: Trial) -> tuple[str, str]:
     """(name, kind) of the one towing unit. Raises `Unfit`."""
-    found = trial.units(*UNITS)
+    found = trial.units(*LINEAR)
     if len(found) != 1:
         raise Unfit(f"the scene has {len(found)} tows: models are changed of one")
     return found[0].name, found[0].description.model_name
 
 
-def _as(trial: Trial, fmu: str, more: dict[str, Value]) -> Trial:
-    """The tow, and its body, as one unit of another kind. Raises `Unfit`."""
-    name, kind = _tow(trial)
+def _whole(trial: Trial, name: str) -> Trial:
+    """A `tow_cable` and its body as one `tow_system`. Raises `Unfit`."""
     given = trial.scene.units[name]
-    bodies = [unit.name for unit in trial.units("towed_body")] if kind == "tow_cable" else []
-    if kind == "tow_cable" and len(bodies) != 1:
+    bodies = [unit.name for unit in trial.units("towed_body")]
+    if len(bodies) != 1:
         raise Unfit(f"{name} tows no towed_body, whose mass and drag another model would have to know")
-    parameters = {key: value for key, value in given.parameters.items() if key in SHARED} | more
+    parameters = {key: value for key, value in given.parameters.items() if key in SHARED}
     inputs = {INPUTS.get(key, key): value for key, value in given.values.items() if trial.is_input(name, key)}
-    units = {n: u for n, u in trial.scene.units.items() if n not in bodies} | {name: entry(fmu, parameters, inputs)}
+    units = {n: u for n, u in trial.scene.units.items() if n not in bodies} | {name: entry(WHOLE, parameters, inputs)}
     called = {f"{body}.{here}": f"{name}.{there}" for body in bodies for here, there in BODY.items()}
     connections = []
     for _, source, target in trial.wiring:
@@ -74,41 +65,9 @@ def _linear(reduced: float) -> Callable[[Trial], Trial]:
 
     def make(trial: Trial) -> Trial:
         trial = cabled(trial)
-        name, kind = _tow(trial)
-        if kind in LINEAR:
-            return trial.setting({f"{name}.reduced": reduced})
-        extensible = 1.0 if trial.value(name, "axial_stiffness") else 0.0
-        return _as(trial, "tow_system", {"reduced": reduced, "extensible": extensible})
+        return trial.setting({f"{_tow(trial)[0]}.reduced": reduced})
 
     return make
-
-
-def nonlinear(trial: Trial) -> Trial:
-    """The nonlinear cable with as many segments as the linear one needs. Raises `Unfit`."""
-    trial = cabled(trial)
-    name, kind = _tow(trial)
-    if kind == NONLINEAR:
-        return trial
-    if not trial.value(name, "axial_stiffness"):
-        raise Unfit(f"{name}.axial_stiffness is not known, and the nonlinear cable stretches: give EA")
-    step = trial.scene.coupling.step or INTERNAL
-    more: dict[str, Value] = {"segments": segments(trial, name, kind), "internal_step": min(INTERNAL, step)}
-    return _as(trial, NONLINEAR, more)
-
-
-def segments(trial: Trial, name: str, kind: str) -> float:
-    """How many segments the linear unit has, `SEGMENTS` at least."""
-    if given := trial.value(name, "segments"):
-        return max(SEGMENTS, given)
-    from towage.models.cable.case import CableError
-    from towage.models.cable.units import tow_cable, tow_system
-
-    unit = tow_system if kind == "tow_system" else tow_cable
-    values = {field.name: trial.value(name, field.name) for field in fields(unit.Parameters)}
-    try:
-        return max(SEGMENTS, float(unit.chosen(unit.Parameters(**values)).nodes))
-    except CableError as error:
-        raise Unfit(str(error)) from error
 
 
 def wire(trial: Trial) -> Trial:
@@ -116,7 +75,7 @@ def wire(trial: Trial) -> Trial:
     if wires(trial, towed=True):
         return trial
     name, kind = _tow(trial)
-    return wired(_as(trial, "tow_system", {}) if kind == "tow_cable" else trial, name)
+    return wired(trial if kind == WHOLE else _whole(trial, name), name)
 
 
 def spring(trial: Trial) -> Trial:
@@ -149,7 +108,6 @@ CABLE = Axis(
         Level("massless spring EA/L", "mass, drag, shape and waves of the cable; surge", spring),
         Level("linear cable, reduced", "large motions about the steady tow; fast modes", _linear(1.0)),
         Level("linear cable", "large motions about the steady tow", _linear(0.0)),
-        Level("nonlinear cable", "what is shorter than a segment", nonlinear),
         Level("nonlinear wire, half as fine", "short waves and bends of the wire", coarse, has_wire),
         Level("nonlinear wire", "", wire),
     ),

@@ -1,30 +1,39 @@
 """The unit `wire` in the place of a line or a tow, and these in the place of a wire.
 
 It is the fullest model of both families: large motions, slack, waves, elements of high order. It takes the place of what it
-can describe alone: a body in the vertical plane whose drag goes with the square of its speed, round added mass in Morison's
-form. What it cannot is named, so that no rung differs from the fullest by what the fullest does not know.
+can describe alone: not ten coefficients of the loading. What it cannot is named, so that no rung differs from the fullest by
+what the fullest does not know.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
+
+from msgspec import structs
 
 from towage.ladder.axis import Trial, Unfit, entry
 from towage.ladder.spring import on_spring
 from towage.models.cable.parameters import TowParameters
+from towage.scene.parts import Transformation
 from towage.units.description import Value
 
 MOTIONS = ("velocity_surge", "velocity_heave")
-TOWED = {"body_lift_change": "body_force_heave"}
+TOWED = {"body_lift_change": "body_force_heave", "body_drag_change": "body_force_surge"}
 """Inputs of a towing unit that a wire has by another name."""
+OPPOSITE = {"body_drag_change", "body_force_surge"}
+"""Those of the other sign."""
 SAME = {
     "tow_speed": "tow_speed", "water_density": "water_density", "wire_length": "cable_length", "wire_mass": "cable_mass",
     "wire_weight": "cable_weight", "wire_diameter": "cable_thickness", "wire_normal_drag": "cable_drag_coefficient",
     "loading_form": "loading_form", "added_mass_coefficient": "added_mass_coefficient",
-    "wire_axial_stiffness": "axial_stiffness", "body_mass": "body_mass", "body_added_mass": "body_added_mass_heave",
+    "momentum_added_mass": "momentum_added_mass", "wire_axial_stiffness": "axial_stiffness", "body_mass": "body_mass",
+    "body_added_mass": "body_added_mass_surge", "body_added_mass_heave": "body_added_mass_heave",
+    "body_weight": "body_weight_in_water", "body_lift": "body_lift",
 }  # fmt: skip
 """Parameters of a wire and what a towing unit calls them."""
+NONE = 1e-6
+"""An added mass in heave, kg, that is none: a wire takes 0 for that in surge."""
 PLANE = ("tail_length", "current_surge", "current_sway")
 """Parameters of a wire that only a wire has."""
 
@@ -81,11 +90,14 @@ def cabled(trial: Trial) -> Trial:
     """A towed wire as a `tow_system` of the same cable and body; any other scene as it is. Raises `Unfit`."""
     if not wires(trial, towed=True):
         return trial
-    name = plain(trial, True, (*MOTIONS, "body_force_heave"))
+    name = plain(trial, True, (*MOTIONS, *TOWED.values()))
     parameters = {there: trial.value(name, here) for here, there in SAME.items()}
-    weight, normal = trial.value(name, "body_weight"), parameters["cable_drag_coefficient"]
-    if weight <= 0.0:
-        raise Unfit(f"{name} tows a body that floats")
+    normal = parameters["cable_drag_coefficient"]
+    area, constant = (trial.value(name, key) for key in ("body_drag_area", "body_drag"))
+    if not parameters["body_added_mass_heave"]:
+        parameters["body_added_mass_heave"] = parameters["body_added_mass_surge"]
+    if area and constant:
+        raise Unfit(f"the body of {name} has a constant drag and one of its area: a tow cable knows either")
     along = trial.value(name, "wire_tangential_drag")
     if parameters["loading_form"] > 0.5:
         if not normal:
@@ -93,31 +105,26 @@ def cabled(trial: Trial) -> Trial:
         along *= math.pi / normal
     dynamic = 0.5 * parameters["water_density"] * parameters["tow_speed"] ** 2
     parameters |= {
-        "loading_friction": along, "extensible": 1.0, "body_added_mass_surge": parameters["body_added_mass_heave"],
-        "body_weight_in_water": weight, "body_drag": dynamic * trial.value(name, "body_drag_area"),
+        "quadrant": 1.0 if parameters["body_weight_in_water"] > parameters["body_lift"] else 2.0, "loading_friction": along,
+        "extensible": 1.0, "body_drag": dynamic * area + constant, "body_quadratic_drag": 0.0 if constant else 1.0,
     }  # fmt: skip
     return _renamed(trial, name, "tow_system", parameters, {there: here for here, there in TOWED.items()})
 
 
 def wired(trial: Trial, name: str) -> Trial:
-    """A `tow_system` or `tow_cable_nonlinear` as a wire. Raises `Unfit`."""
+    """A `tow_system` as a wire. Raises `Unfit`."""
     value = {field.name: trial.value(name, field.name) for field in fields(TowParameters)}
     if not value["axial_stiffness"]:
         raise Unfit(f"{name}.axial_stiffness is not known, and the wire stretches: give EA")
-    reasons = {
-        "the momentum form of the added mass": value["momentum_added_mass"] > 0.5,
-        "a constant drag of the body": value["body_quadratic_drag"] < 0.5 and value["body_drag"] > 0.0,
-        "another added mass of the body in surge than in heave": value["body_added_mass_surge"] != value["body_added_mass_heave"],
-        "ten coefficients of the loading": value["loading_form"] > 1.5,
-        "a force aft on the body": "body_drag_change" in fed(trial, name),
-    }
-    if unknown := [what for what, here in reasons.items() if here]:
-        raise Unfit(f"the wire does not know {', nor '.join(unknown)}")
-    along = value["loading_friction"]
+    if value["loading_form"] > 1.5:
+        raise Unfit("the wire does not know ten coefficients of the loading")
+    along, dynamic = value["loading_friction"], 0.5 * value["water_density"] * value["tow_speed"] ** 2
+    quadratic = value["body_quadratic_drag"] > 0.5
     parameters = {here: value[there] for here, there in SAME.items()} | {
         "wire_tangential_drag": along * value["cable_drag_coefficient"] / math.pi if value["loading_form"] > 0.5 else along,
-        "body_weight": value["body_weight_in_water"] - value["body_lift"],
-        "body_drag_area": value["body_drag"] / (0.5 * value["water_density"] * value["tow_speed"] ** 2),
+        "body_drag_area": value["body_drag"] / dynamic if quadratic else 0.0,
+        "body_drag": 0.0 if quadratic else value["body_drag"],
+        "body_added_mass_heave": value["body_added_mass_heave"] or NONE,
     }
     return _renamed(trial, name, "wire", parameters, TOWED)
 
@@ -125,12 +132,18 @@ def wired(trial: Trial, name: str) -> Trial:
 def _renamed(trial: Trial, name: str, fmu: str, parameters: dict[str, float], inputs: dict[str, str]) -> Trial:
     """The unit as another, whose ``inputs`` have other names where they are listed."""
     given = trial.scene.units[name]
-    constants = {inputs.get(key, key): v for key, v in given.values.items() if trial.is_input(name, key)}
-    known = {*MOTIONS, *inputs.values()}
-    units = dict(trial.scene.units) | {name: entry(fmu, parameters, {k: v for k, v in constants.items() if k in known})}
+    constants = {inputs.get(key, key): key for key in given.values if trial.is_input(name, key)}
+    kept = {
+        there: -trial.value(name, here) if here in OPPOSITE else given.values[here]
+        for there, here in constants.items() if there in {*MOTIONS, *inputs.values()}
+    }  # fmt: skip
+    units = dict(trial.scene.units) | {name: entry(fmu, parameters, kept)}
     ends = {f"{name}.{here}": f"{name}.{there}" for here, there in inputs.items()}
-    connections = [f"{source} -> {ends.get(target, target)}" for _, source, target in trial.wiring]
-    return trial.rebuilt(units, connections, {})
+    turned = {f"{name}.{here}" for here in inputs if here in OPPOSITE}
+    wiring = [(f"{source} -> {ends.get(target, target)}", target in turned) for _, source, target in trial.wiring]
+    made = trial.rebuilt(units, [text for text, _ in wiring], {})
+    changes = {text: Transformation(factor=-1.0) for text, opposite in wiring if opposite}
+    return replace(made, scene=structs.replace(made.scene, transformations=changes)) if changes else made
 
 
 def has_wire(trial: Trial) -> bool:

@@ -21,6 +21,11 @@ from towage.registry import UNITS
 if TYPE_CHECKING:
     from towage.fmus.declare.unit import Unit
 
+RETIRED = {
+    "tow_cable_nonlinear": 'the wire has taken its place: write fmu = "wire"; what its parameters and inputs are called there '
+    "is a table in docs/wire.md"
+}
+"""What became of units that were shipped once, by name."""
 Locate = Callable[[str], Path]
 """From the name of a shipped unit to its FMU; raises ``LookupError`` for a name it does not know."""
 Structure = Mapping[str, float]
@@ -53,6 +58,8 @@ def locator(directory: Path | None = None) -> Locate:
             raise LookupError(
                 f"there is no {directory / name}.fmu; build it with: python build_fmus.py {name} --out {directory}"
             )
+        if name in RETIRED:
+            raise LookupError(RETIRED[name])
         if name not in UNITS:
             raise LookupError(f"there are the units {', '.join(UNITS.names())}")
         shipped = Path(__file__).parents[1] / "shipped" / f"{name}.fmu"  # in a wheel; never in the work tree: no stale ones

@@ -1,1 +1,1 @@
-"""The tow in time: lumped cable, linear models of it and their reduction, the nonlinear cable."""
+"""The tow in time: lumped cable, linear models of it and their reduction, their error."""

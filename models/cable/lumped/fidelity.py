@@ -2,8 +2,9 @@
 
 The error of the discretisation is measured, not estimated: gains of the lumped model against the frequency response
 (``cable/steady/response.py``) at three frequencies of the band, in the measure of ``reduction.py``. As it falls with the
-square of the number of nodes, a few trials find that number. The error of the reduction is added to it. In Quadrant I
-the velocity of the towpoint counts, in II forces on the body too: they are what drives the two problems.
+square of the number of nodes, a few trials find that number. Where a light body bends the cable near itself, segments that
+are shorter there do with fewer: of a few `GRADINGS` the one with the least error is taken. The error of the reduction is added
+to it. In Quadrant I the velocity of the towpoint counts, in II forces on the body too: they are what drives the two problems.
 
 A cable alone is reduced for its ends moving together and for their offset (`ends_together`): a velocity of one end
 without its offset meets the last half segment's drag alone, which says nothing about the model.
@@ -14,7 +15,9 @@ The inextensibility error is the largest difference over the band between the fr
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +28,13 @@ from ..steady.perturbation import Excitation, Response
 from ..steady.response import mesh, responses
 from .linear import StateSpace, cable_elastic, tow_elastic, tow_rigid
 from .lumped import MOST, hanging
-from .reduction import reduce, relative_error
+from .reduction import COUNTED, reduce, relative_error
 
+GRADINGS = (1.0, 3.0, 10.0)
+"""The last segment over the first. Larger ones err more (`tests/models/test_cable_linear.py`): waves at the top need short
+segments too."""
+TRIED = 60
+"""Most segments with which they are compared."""
 LEAST_SHARE = 0.25
 """Share of the tolerance that is left to the reduction, whatever the segments took."""
 UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(drag=-1.0), Excitation(lift=1.0)]
@@ -34,14 +42,16 @@ UNIT_EXCITATIONS = [Excitation(surge=1.0), Excitation(heave=1.0), Excitation(dra
 
 @dataclass(frozen=True)
 class Chosen:
-    """``full``: the model before reduction; ``nodes``: segments; ``error``: of discretisation and reduction together,
-    relative, over the band; ``inextensible_error``: of leaving EA out (0 for an elastic model or an unknown EA)."""
+    """``full``: the model before reduction; ``nodes``: segments, ``grading``: the last over the first; ``error``: of
+    discretisation and reduction together, relative, over the band; ``inextensible_error``: of leaving EA out (0 for an elastic
+    model or an unknown EA)."""
 
     model: StateSpace
     full: StateSpace
     nodes: int
     error: float
     inextensible_error: float
+    grading: float = 1.0
 
 
 def exact_gains(tow: Tow, frequencies: list[float]) -> ComplexArray:
@@ -70,8 +80,10 @@ def choose(
     nodes: int = 0,
     reduced: bool = True,
     with_body: bool = True,
+    grading: float = 0.0,
 ) -> Chosen:
-    """The model for a band, rad/s, and a relative tolerance; ``nodes`` > 0 fixes the number of segments. Without body
+    """The model for a band, rad/s, and a relative tolerance; ``nodes`` > 0 fixes the number of segments, equal ones unless
+    ``grading`` > 0 says another ratio of the last to the first. Without body
     the cable is elastic, its inputs are those of `ends_together`, and its discretisation error is that of the same cable
     with the body. Raises `CableError`."""
     if not (0.0 < tolerance < 1.0 and 0.0 < band < math.inf):
@@ -84,19 +96,25 @@ def choose(
     exact = exact_gains(tow_used, frequencies)
     counted = 2 if with_body and tow.quadrant == 1 else 4
     target = tolerance if not reduced else 0.6 * tolerance
-    count = nodes or hanging(tow_used).count
-    model = build(tow_used, count)
-    for _ in range(5):
+
+    def tried(count: int, grading: float) -> _Trial:
+        model = build(tow_used, count, grading)
         gains = np.array([_gains(model, omega) for omega in frequencies])
-        error = relative_error(gains, exact, counted)
-        if nodes or error <= target or count >= MOST:
+        return _Trial(relative_error(gains, exact, counted), model, count, grading)
+
+    best = tried(nodes or hanging(tow_used).count, grading or 1.0)
+    if not (nodes or grading or best.error <= target):
+        count = min(TRIED, _wanted(best, target))
+        best = min((found for g in GRADINGS if (found := _or_none(tried, count, g))), default=best)
+    for _ in range(5):
+        if nodes or best.error <= target or best.segments >= MOST:
             break
-        more = min(MOST, max(count + 2, math.ceil(1.03 * count * math.sqrt(error / target))))
-        try:
-            model, count = build(tow_used, more), more
-        except CableError:
-            break  # a light body may hang with some numbers of segments alone; the error says what is left
-    full = model if with_body else ends_together(cable_elastic(tow_used, max(count, 2)), numbers())
+        # a light body may hang with some numbers of segments alone; the error says what is left
+        if not (found := _or_none(tried, _wanted(best, target), best.grading)):
+            break
+        best = found
+    error, model, count, grading = best
+    full = model if with_body else ends_together(cable_elastic(tow_used, max(count, 2), grading), numbers())
     final = full
     if reduced:
         smaller = reduce(full, max(LEAST_SHARE * tolerance, tolerance - error), band, extensible, counted)
@@ -104,7 +122,29 @@ def choose(
     lost = 0.0
     if not extensible and math.isfinite(tow.cable.axial_stiffness):
         lost = relative_error(exact, exact_gains(tow, frequencies), counted)
-    return Chosen(final, full, count, error, lost)
+    return Chosen(final, full, count, error, lost, grading)
+
+
+class _Trial(NamedTuple):
+    """A model of so many ``segments``, and its error."""
+
+    error: float
+    model: StateSpace
+    segments: int
+    grading: float
+
+
+def _wanted(trial: _Trial, target: float) -> int:
+    """Segments that reach ``target``, of an error of second order."""
+    return min(MOST, max(trial.segments + 2, math.ceil(1.03 * trial.segments * math.sqrt(trial.error / target))))
+
+
+def _or_none(tried: Callable[[int, float], _Trial], count: int, grading: float) -> _Trial | None:
+    """The trial, if the cable hangs so."""
+    try:
+        return tried(count, grading)
+    except CableError:
+        return None
 
 
 def ends_together(model: StateSpace, ops: MatrixOps) -> StateSpace:
@@ -116,5 +156,4 @@ def ends_together(model: StateSpace, ops: MatrixOps) -> StateSpace:
 
 
 def _gains(model: StateSpace, omega: float) -> ComplexArray:
-    gains: ComplexArray = np.column_stack([model.response(omega, u)[:4] for u in np.eye(4, dtype=complex)])
-    return gains
+    return model.response(omega, np.eye(4, dtype=complex), COUNTED)

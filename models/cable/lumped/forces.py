@@ -25,7 +25,7 @@ from ..case import Tow
 COMPLEX_STEP = 1e-150
 
 
-def node_load(tow: Tow, segment: float, tangent: tuple[Any, Any], velocity: tuple[Any, Any]) -> tuple[Any, Any]:
+def node_load(tow: Tow, segment: Array, tangent: tuple[Any, Any], velocity: tuple[Any, Any]) -> tuple[Any, Any]:
     """Drag, N, of half a segment with unit ``tangent`` on a node with ``velocity`` through the water, m/s; scalars or
     arrays, real or complex."""
     (tx, ty), (vx, vy) = tangent, velocity
@@ -40,7 +40,7 @@ def node_load(tow: Tow, segment: float, tangent: tuple[Any, Any], velocity: tupl
 
 def segment_forces(
     tow: Tow,
-    segment: float,
+    segment: Array,
     lower: Array,
     upper: Array,
     lower_velocity: Array,
@@ -49,6 +49,7 @@ def segment_forces(
 ) -> tuple[Array, Array]:
     """Forces, N, of the segments on their lower (nearer the body) and upper nodes, shape (2, n) each: tension, drag,
     weight, convected added mass. Positions, m, and velocities through the water, m/s, of shape (2, n), real or complex;
+    ``segment``: unstretched lengths, m, (n,);
     ``tension`` given: held at that; None: elastic."""
     cable = tow.cable
     d = upper - lower
@@ -61,7 +62,7 @@ def segment_forces(
         # a slack segment pulls nothing
         tension = cable.axial_stiffness * stretch * (np.real(stretch) > 0.0)
     pull = tension * along
-    weight = np.array([[0.0], [0.5 * cable.weight * segment]])
+    weight = np.stack([0.0 * segment, 0.5 * cable.weight * segment])
     relative = upper_velocity - lower_velocity
     turning = -tow.sign * (relative[0] * normal[0] + relative[1] * normal[1]) / length
     convected = 0.5 * segment * cable.mass * tow.added_mass_ratio * turning if cable.momentum_form else 0.0
@@ -74,9 +75,9 @@ def segment_forces(
     return forces[0], forces[1]
 
 
-def node_mass(tow: Tow, segment: float, directions: Array) -> Array:
+def node_mass(tow: Tow, segment: Array, directions: Array) -> Array:
     """Half of the inertia of segments with unit ``directions`` (N, 2): matrices (N, 2, 2), kg."""
     normal = np.stack([directions[:, 1], -directions[:, 0]], axis=1)
-    half = 0.5 * tow.cable.mass * segment
+    half = 0.5 * tow.cable.mass * segment[:, None, None]
     matrices: Array = half * (np.eye(2) + tow.added_mass_ratio * normal[:, :, None] * normal[:, None, :])
     return matrices

@@ -72,11 +72,11 @@ class StateSpace:
     d: Matrix
     e: Matrix
 
-    def response(self, omega: float, inputs: ComplexArray) -> ComplexArray:
-        """Amplitudes of y for u = Re(inputs exp(-i omega t)), shape (r,) as inputs has shape (m,)."""
+    def response(self, omega: float, inputs: ComplexArray, rows: slice = slice(None)) -> ComplexArray:
+        """Amplitudes of y, or of ``rows`` of it, for u = Re(inputs exp(-i omega t)); inputs of shape (m,) or, several, (m, k)."""
         s = -1j * omega
         x = np.linalg.solve(s * np.eye(len(self.a)) - self.a, self.b @ inputs)
-        y: ComplexArray = self.c @ x + (self.d + s * self.e) @ inputs
+        y: ComplexArray = self.c[rows] @ x + (self.d[rows] + s * self.e[rows]) @ inputs
         return y
 
     @property
@@ -85,17 +85,17 @@ class StateSpace:
         return -self.e[FORCE, :2]
 
 
-def tow_rigid(tow: Tow, count: int) -> StateSpace:
+def tow_rigid(tow: Tow, count: int, grading: float = 1.0) -> StateSpace:
     """Cable of constant length with body: 2 N states, inputs (v_x, v_y of the towpoint, f_x, f_y on the body)."""
-    return rigid_model(matrices(equilibrium(tow, count), elastic=False))
+    return rigid_model(matrices(equilibrium(tow, count, grading), elastic=False))
 
 
-def tow_elastic(tow: Tow, count: int) -> StateSpace:
+def tow_elastic(tow: Tow, count: int, grading: float = 1.0) -> StateSpace:
     """Elastic cable with body: 4 N states, inputs as `tow_rigid`."""
-    return elastic_model(_elastic(tow, count))
+    return elastic_model(_elastic(tow, count, grading))
 
 
-def cable_elastic(tow: Tow, count: int) -> StateSpace:
+def cable_elastic(tow: Tow, count: int, grading: float = 1.0) -> StateSpace:
     """Elastic cable alone, 4 (N-1) states; inputs (v_x, v_y of the towpoint, v_x, v_y of the body, offset x, y of the
     body from the towpoint, m, the integral of the difference). `BODY_VELOCITY` rows hold the force on the body.
 
@@ -104,13 +104,13 @@ def cable_elastic(tow: Tow, count: int) -> StateSpace:
     """
     if count < 2:
         raise CableError(f"{count} segments: a cable between two prescribed ends needs at least 2")
-    return cable_model(_elastic(tow, count))
+    return cable_model(_elastic(tow, count, grading))
 
 
-def _elastic(tow: Tow, count: int) -> Matrices:
+def _elastic(tow: Tow, count: int, grading: float) -> Matrices:
     if not math.isfinite(tow.cable.axial_stiffness):
         raise CableError("an elastic model needs a finite axial stiffness EA")
-    return matrices(equilibrium(tow, count), elastic=True)
+    return matrices(equilibrium(tow, count, grading), elastic=True)
 
 
 class _Rows(NamedTuple):

@@ -2,11 +2,11 @@
 
     M(r) r'' = f(r, r'),    M q'' + C q' + K q = excitation about the discrete equilibrium
 
-Nodes 0 (body) to N (towpoint); segment k joins nodes k and k+1, has the unstretched length l = L/N, direction e_k and
-tangent t_k = sigma e_k. Forces, inertia and what they depend on are those of ``forces.py``. The chain is found
-node by node from the body, in a frame mirrored in Quadrant II (y times sigma), where both quadrants have one set of
-equations. Linearising at the nodes of the *continuous* shape instead leaves residual forces, and with them a spurious
-unstable mode.
+Nodes 0 (body) to N (towpoint); segment k joins nodes k and k+1, has the unstretched length l, direction e_k and tangent
+t_k = sigma e_k; l is L/N, or grows from the body on (`shares`). Forces, inertia and what they depend on are those of
+``forces.py``. The chain is found node by node from the body, in a frame mirrored in Quadrant II (y times sigma), where both
+quadrants have one set of equations. Linearising at the nodes of the *continuous* shape instead leaves residual forces, and
+with them a spurious unstable mode.
 
 q (m) are displacements in the towing frame; symbols and assumptions of ``cable/case.py``. Numbers and CasADi symbols
 alike: vectors of N and matrices in the spelling of ``numeric/matrix_ops.py``.
@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...numeric.arrays import Array
 from ...numeric.matrix_ops import Matrix, MatrixOps, numbers
 from ...numeric.ops import Ops
 from ..case import CableError, Tow
@@ -40,13 +41,13 @@ OUTSIDE = "leaves the quadrant or is slack: expected more segments, or a tow who
 @dataclass(frozen=True)
 class Chain:
     """Discrete equilibrium: positions of the nodes relative to the body, m, shape (N+1, 2), tensions of the segments,
-    N, a vector of N, unstretched length of a segment, m; least tension, N, and largest force across a segment over the
-    forces on it, vectors of N, of the segments so far: an equilibrium if the last are positive and below `BALANCE`."""
+    N, a vector of N, unstretched lengths of the segments, m, likewise; least tension, N, and largest force across a segment over
+    the forces on it, vectors of N, of the segments so far: an equilibrium if the last are positive and below `BALANCE`."""
 
     tow: Tow
     nodes: Any
     tension: Any
-    segment: float
+    segment: Any
     least: Any = None
     imbalance: Any = None
 
@@ -87,12 +88,19 @@ def half_drag(chain: Chain) -> Any:
     return 0.5 * chain.segment * chain.tow.drag_factor * chain.tow.speed**2
 
 
-def equilibrium(tow: Tow, count: int) -> Chain:
-    """Discrete equilibrium with ``count`` >= 1 segments. Raises `CableError` where the chain leaves its quadrant or is
-    slack."""
+def shares(count: int, grading: float) -> Array:
+    """Lengths of segments over that of the cable, from the body on: a geometric series, the last over the first ``grading``."""
+    places = np.arange(count + 1) / count
+    lengths: Array = np.diff(places if grading == 1.0 else np.expm1(places * math.log(grading)) / (grading - 1.0))
+    return lengths
+
+
+def equilibrium(tow: Tow, count: int, grading: float = 1.0) -> Chain:
+    """Discrete equilibrium with ``count`` >= 1 segments, graded as `shares`. Raises `CableError` where the chain leaves its
+    quadrant or is slack."""
     if count < 1:
         raise CableError(f"{count} segments: expected at least 1")
-    chain = hang(tow, count, numbers())
+    chain = hang(tow, count, numbers(), grading)
     bad = np.flatnonzero(~((chain.least > 0.0) & (chain.imbalance < BALANCE)))
     if len(bad):
         raise CableError(f"segment {bad[0]} of {count} {OUTSIDE}")
@@ -110,15 +118,18 @@ def hanging(tow: Tow, fewest: int = FEWEST) -> Chain:
     return equilibrium(tow, MOST)
 
 
-def hang(tow: Tow, count: int, ops: MatrixOps) -> Chain:
+def hang(tow: Tow, count: int, ops: MatrixOps, grading: float = 1.0) -> Chain:
     """The chain, whether or not it is in equilibrium."""
-    cable, body, segment = tow.cable, tow.body, tow.cable.length / count
-    weight = tow.sign * cable.weight * segment
+    cable, body, share = tow.cable, tow.body, shares(count, grading)
+    segment = cable.length * ops.constant(share)
+    # half of the segment and half of the next, where there is one
+    weight = tow.sign * cable.weight * cable.length * ops.constant(0.5 * (share + np.append(share[1:], 0.0)))
     net = tow.sign * (body.weight - body.lift)
     half = 0.5 * segment * tow.drag_factor * tow.speed * tow.speed
-    start = (ops.scalars.atan2(net, body.drag), 1e300, body.drag, net + 0.5 * weight, 0.0, 0.0, 1e300, 0.0)
-    constants = (segment, weight, half, 1.0 / cable.axial_stiffness, *cable.loading.normal, *cable.loading.tangential)
-    _, tension, _, _, x, y, least, worst = ops.march(next_segment, start, constants, count)
+    below = 0.5 * tow.sign * cable.weight * cable.length * float(share[0])
+    start = (ops.scalars.atan2(net, body.drag), 1e300, body.drag, net + below, 0.0, 0.0, 1e300, 0.0)
+    constants = (1.0 / cable.axial_stiffness, *cable.loading.normal, *cable.loading.tangential)
+    _, tension, _, _, x, y, least, worst = ops.march(next_segment, start, constants, (segment, weight, half))
     nodes = ops.hstack([ops.column(x), ops.column(tow.sign * y)])
     return Chain(tow, ops.vstack([ops.zeros(1, 2), nodes]), tension, segment, least, worst)
 
@@ -168,7 +179,7 @@ def steady_towpoint_force(chain: Chain) -> tuple[Any, Any]:
     along = chain.tension + half * f.tangential
     x = -along * f.cosine - half * f.normal * f.sine
     y = -along * f.sine + half * f.normal * f.cosine
-    return x[last], chain.tow.sign * y[last] - 0.5 * chain.tow.cable.weight * chain.segment
+    return x[last], chain.tow.sign * y[last] - 0.5 * chain.tow.cable.weight * chain.segment[last]
 
 
 @dataclass(frozen=True)
@@ -222,17 +233,20 @@ def matrices(chain: Chain, elastic: bool, ops: MatrixOps | None = None) -> Matri
     zero = 0.0 * f.length
     normals, tangents, turn = pairs(zero + 1.0, zero), pairs(zero, zero + 1.0), pairs(-1.0 / f.length, zero)
     inertia = 0.5 * cable.mass * segment
-    share = inertia * (ops.eye(2 * chain.count) + tow.added_mass_ratio * (normals.T @ normals))
-    turned = half * pairs(f.normal_slope - f.tangential, f.normal + f.tangential_slope).T @ turn
+    across = normals.T @ ops.diagonal(inertia * (1.0 + tow.added_mass_ratio)) @ normals
+    share = across + tangents.T @ ops.diagonal(inertia) @ tangents
+    turned = pairs(half * (f.normal_slope - f.tangential), half * (f.normal + f.tangential_slope)).T @ turn
     tension, stiff = chain.tension, zero
     if elastic:
         # a slack segment pulls nothing
         taut = f.length > segment
         tension, stiff = chain.tension * taut, cable.axial_stiffness / segment * taut
     pull = normals.T @ ops.diagonal(tension / f.length) @ normals + tangents.T @ ops.diagonal(stiff) @ tangents
-    faster = 2.0 * half / tow.speed * pairs(f.normal, f.tangential).T @ rows(zero + 1.0, zero, ops)
-    drag = faster - half / tow.speed * pairs(f.normal_slope, f.tangential_slope).T @ rows(zero, zero + sign, ops)
-    convected = inertia * tow.added_mass_ratio * tow.speed * cable.momentum_form * pairs(f.cosine, f.sine).T @ turn
+    slower = half / tow.speed
+    faster = pairs(2.0 * slower * f.normal, 2.0 * slower * f.tangential).T @ rows(zero + 1.0, zero, ops)
+    drag = faster - pairs(slower * f.normal_slope, slower * f.tangential_slope).T @ rows(zero, zero + sign, ops)
+    carried = inertia * tow.added_mass_ratio * tow.speed * cable.momentum_form
+    convected = pairs(carried * f.cosine, carried * f.sine).T @ turn
     return Matrices(
         chain,
         lower @ share @ lower.T + upper @ share @ upper.T,

@@ -4,14 +4,14 @@
     L y1 = -(M v_N' + C v_N) + f_body                the linear tow
     L (y_{k+1} - y_k) = -R(y_k)                      its correction, L at every frequency of the time that repeats
 
-R is that of `NonlinearCable`: drag in any direction, large angles, slack. L is the linearisation of ``lumped.py``. The first
+R is that of ``forces.py`` at large angles, drag in any direction, slack. L is the linearisation of ``lumped.py``. The first
 correction holds all terms of second order (mean shift, second harmonic, sums and differences of frequencies) and a part of
 the higher ones; further ones converge to the nonlinear motion wherever the motion is small enough. Angles and tensions
 as unknowns keep EA, which may be infinite, out of the products.
 
-Assumptions: those of ``nonlinear.py``; the motion repeats.
+Assumptions: (1) to (4) of ``cable/case.py``; (5) no internal damping of the cable; (6) the motion repeats.
 
-Not to be confused with Newton's method in time (``nonlinear.py``): L is factorised once a frequency.
+Not to be confused with Newton's method in time (``cable/wire/stepper.py``): L is factorised once a frequency.
 
 Source: Picard's iteration as in harmonic balance with a constant operator; equations of the small-perturbation report on
 towed cables, discretised as in ``forces.py``.
@@ -89,7 +89,7 @@ class Picard:
         moves, pulls = np.zeros((2, 2 * n + 2, 2 * n))
         for k in range(n):
             moves[: 2 * k + 2, k] = np.tile(-length[k] * across[:, k], k + 1)
-            moves[: 2 * k + 2, n + k] = np.tile(-self.compliance * along[:, k], k + 1)
+            moves[: 2 * k + 2, n + k] = np.tile(-self.compliance[k] * along[:, k], k + 1)
             pulls[2 * k : 2 * k + 4, n + k] = np.concatenate([-along[:, k], along[:, k]])
         return moves, pulls
 
@@ -113,7 +113,7 @@ class Picard:
         chain, n = self.chain, self.chain.count
         angle, tension = self.angle[:, None] + y[:n], self.tension[:, None] + y[n:]
         direction = np.stack([np.cos(angle), np.sin(angle)])
-        stretched = direction * (chain.segment + self.compliance * tension)
+        stretched = direction * (chain.segment[:, None] + self.compliance[:, None] * tension)
         nodes = np.concatenate([-np.cumsum(stretched[:, ::-1], axis=1)[:, ::-1], np.zeros((2, 1, self.times))], axis=1)
         steady = (chain.nodes - chain.nodes[-1]).T
         velocity = self._rate(nodes - steady[:, :, None]) + drive[:2, None]
@@ -123,8 +123,9 @@ class Picard:
         lower, upper, lower_velocity, upper_velocity = (part.reshape(2, -1) for part in ends)
         # a slack segment pulls nothing
         pull = np.maximum(0.0, tension).ravel()
-        forces = segment_forces(chain.tow, chain.segment, lower, upper, lower_velocity, upper_velocity, pull)
-        halves = node_mass(chain.tow, chain.segment, direction.reshape(2, -1).T).reshape(n, self.times, 2, 2)
+        segment = np.repeat(chain.segment, self.times)
+        forces = segment_forces(chain.tow, segment, lower, upper, lower_velocity, upper_velocity, pull)
+        halves = node_mass(chain.tow, segment, direction.reshape(2, -1).T).reshape(n, self.times, 2, 2)
         r = np.zeros((2, n + 1, self.times))
         for part, force in zip((slice(None, -1), slice(1, None)), forces):
             r[:, part] += np.einsum("ktij,jkt->ikt", halves, acceleration[:, part]) - force.reshape(2, n, -1)
@@ -166,7 +167,7 @@ class Picard:
 
 
 def body_force(tow: Tow, quadratic_drag: bool, velocity: Array, force: Array) -> Array:
-    """Force on the body but for the cable's, N, (2, n), as `NonlinearCable.body_force`."""
+    """Force on the body but for the cable's, N, (2, n)."""
     body, c = tow.body, tow.speed
     buoyant = np.array([[0.0], [body.lift - body.weight]]) + force
     slope = np.array([[body.damping_surge], [body.damping_heave]])

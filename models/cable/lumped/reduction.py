@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,9 @@ FREQUENCIES = 40
 """Number of frequencies at which an error is measured, evenly spaced in their logarithm."""
 BAND_START, BAND_SHARE = 0.02, 0.1
 """Low end of the band, rad/s, a period of five minutes; of a narrow band, its share of the high end."""
+COUNTED = slice(FORCE.start, BODY_VELOCITY.stop)
+"""Rows of y by which an error is measured."""
+ALL = slice(None)
 NEGLIGIBLE = 1e-12
 """Hankel singular values below this share of the largest are rounding."""
 
@@ -52,14 +56,25 @@ def band_frequencies(band: float, count: int = FREQUENCIES) -> Array:
     return np.geomspace(min(BAND_START, BAND_SHARE * band), band, count)
 
 
-def transfer(model: StateSpace, frequencies: Array) -> ComplexArray:
-    """Gains of every output by every input, shape (frequencies, r, m), for exp(-i omega t)."""
+class Modes(NamedTuple):
+    """Eigenvalues of A, 1/s, (n,); inputs to modes, (n, m); modes to outputs, (r, n)."""
+
+    values: ComplexArray
+    left: ComplexArray
+    right: ComplexArray
+
+
+def modes(model: StateSpace) -> Modes:
+    """The modes of a model."""
     values, vectors = np.linalg.eig(model.a)
-    left, right = np.linalg.solve(vectors, model.b), model.c @ vectors
-    s = -1j * frequencies
-    gains: ComplexArray = (
-        np.einsum("rn,wn,nm->wrm", right, 1.0 / (s[:, None] - values), left) + model.d + s[:, None, None] * model.e
-    )
+    return Modes(values, np.linalg.solve(vectors, model.b), model.c @ vectors)
+
+
+def transfer(model: StateSpace, frequencies: Array, known: Modes | None = None, rows: slice = ALL) -> ComplexArray:
+    """Gains of outputs (``rows``) by every input, shape (frequencies, r, m), for exp(-i omega t); ``known``: its modes."""
+    values, left, right = known or modes(model)
+    s = -1j * frequencies[:, None]
+    gains: ComplexArray = (right[rows] / (s - values)[:, None, :]) @ left + model.d[rows] + s[..., None] * model.e[rows]
     return gains
 
 
@@ -84,27 +99,31 @@ def reduce(model: StateSpace, tolerance: float, band: float, extensible: bool, i
     full model, error 0, where none is. Raises `CableError` for a tolerance or band that is not positive."""
     if not (tolerance > 0.0 and band > 0.0):
         raise CableError(f"tolerance {tolerance:g}, band {band:g} rad/s: expected positive numbers")
-    frequencies = band_frequencies(band)
-    exact = transfer(model, frequencies)
-    build = _modal(model, exact, frequencies, inputs) if extensible else _balanced(model, exact, inputs)
+    frequencies, known = band_frequencies(band), modes(model)
+    exact = transfer(model, frequencies, known, COUNTED)
+    build = _modal(model, known, exact, frequencies, inputs) if extensible else _balanced(model, exact, inputs)
     for states in range(1, len(model.a)):
-        candidate = build(states)
+        # the profile along the cable is hundreds of outputs, and no error counts there
+        candidate = build(states, COUNTED)
         if candidate is None or not stable(candidate):
             continue
         error = relative_error(transfer(candidate, frequencies), exact, inputs)
         if error <= tolerance:
-            return Reduced(candidate, error, band)
+            whole = build(states, ALL)
+            assert whole is not None
+            return Reduced(whole, error, band)
     return Reduced(model, 0.0, band)
 
 
-Build = Callable[[int], StateSpace | None]
+Build = Callable[[int, slice], StateSpace | None]
+"""Of the number of states and the outputs that are wanted."""
 
 
 def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
-    """Function of the number of states that gives the reduced model, or None."""
+    """The reduced model of a number of states, or None."""
     from scipy.linalg import matrix_balance, solve_continuous_lyapunov  # loads slowly, see `exact_step`
 
-    rows = np.r_[FORCE, BODY_VELOCITY]
+    rows = COUNTED
     # outputs and inputs measured by what passes between them in the band
     out = 1.0 / np.abs(exact[:, rows, :2]).max(axis=(0, 2))
     scale = np.ones(inputs)
@@ -122,7 +141,7 @@ def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
     left = observability @ u[:, :count] * root
     a, b, c = left.T @ a @ right, left.T @ all_b, all_c @ right
 
-    def build(states: int) -> StateSpace | None:
+    def build(states: int, rows: slice) -> StateSpace | None:
         if states >= count:
             return None
         k = states
@@ -130,7 +149,7 @@ def _balanced(model: StateSpace, exact: ComplexArray, inputs: int) -> Build:
         x, u_fast = (np.linalg.solve(a[fast, fast], m) for m in (a[fast, slow], b[fast]))
         return replace(
             model, a=a[slow, slow] - a[slow, fast] @ x, b=b[slow] - a[slow, fast] @ u_fast,
-            c=c[:, slow] - c[:, fast] @ x, d=model.d - c[:, fast] @ u_fast,
+            c=c[rows, slow] - c[rows, fast] @ x, d=model.d[rows] - c[rows, fast] @ u_fast, e=model.e[rows],
         )  # fmt: skip
 
     return build
@@ -143,13 +162,11 @@ def _root(gramian: Array) -> Array:
     return root
 
 
-def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: int) -> Build:
-    """Function of the number of states that gives the reduced model, or None where it would split a pair."""
-    values, vectors = np.linalg.eig(model.a)
-    upper = np.flatnonzero(values.imag >= 0.0)
-    left, right = np.linalg.solve(vectors, model.b)[upper], (model.c @ vectors)[:, upper]
-    values, width = values[upper], np.where(values[upper].imag > 0.0, 2, 1)
-    rows = np.r_[FORCE, BODY_VELOCITY]
+def _modal(model: StateSpace, known: Modes, exact: ComplexArray, frequencies: Array, inputs: int) -> Build:
+    """The reduced model of a number of states, or None where it would split a pair."""
+    upper = np.flatnonzero(known.values.imag >= 0.0)
+    values, left, right = known.values[upper], known.left[upper], known.right[:, upper]
+    width, rows = np.where(values.imag > 0.0, 2, 1), COUNTED
     s = -1j * frequencies[:, None]
     # what a mode leaves behind when static and acceleration correction stand for it: (s/value)^2/(s - value)
     rest = np.abs((s / values) ** 2 / (s - values))
@@ -161,7 +178,7 @@ def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: i
     order = np.argsort(-importance)
     sizes = np.cumsum(width[order])
 
-    def build(states: int) -> StateSpace | None:
+    def build(states: int, rows: slice) -> StateSpace | None:
         whole = np.flatnonzero(sizes == states)
         if not len(whole):
             return None
@@ -172,19 +189,21 @@ def _modal(model: StateSpace, exact: ComplexArray, frequencies: Array, inputs: i
             if width[i] == 1:
                 a.append(np.array([[re]]))
                 b.append(left[i].real[None])
-                c.append(right[:, i].real[:, None])
+                c.append(right[rows, i].real[:, None])
             else:
                 a.append(np.array([[re, im], [-im, re]]))
                 b.append(np.stack([left[i].real, -left[i].imag]) * 2.0)
-                c.append(np.stack([right[:, i].real, right[:, i].imag], axis=1))
+                c.append(np.stack([right[rows, i].real, right[rows, i].imag], axis=1))
         # conjugates double the real part of a pair
-        static = -((right[:, dropped] * (width[dropped] / values[dropped])) @ left[dropped]).real
-        acceleration = -((right[:, dropped] * (width[dropped] / values[dropped] ** 2)) @ left[dropped]).real
+        out = right[rows][:, dropped]
+        static = -((out * (width[dropped] / values[dropped])) @ left[dropped]).real
+        acceleration = -((out * (width[dropped] / values[dropped] ** 2)) @ left[dropped]).real
         block = np.zeros((states, states))
         row = 0
         for part in a:
             block[row : row + len(part), row : row + len(part)] = part
             row += len(part)
-        return replace(model, a=block, b=np.vstack(b), c=np.hstack(c), d=model.d + static, e=model.e + acceleration)
+        d, e = model.d[rows] + static, model.e[rows] + acceleration
+        return replace(model, a=block, b=np.vstack(b), c=np.hstack(c), d=d, e=e)
 
     return build

@@ -31,8 +31,8 @@ from .steady import Steady, basis, graded_edges, steady
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-PHASE_PER_ELEMENT = 2.0
-"""Largest |kappa| h; degree 16 then interpolates exp(kappa s) to rounding."""
+PHASE_PER_ELEMENT = 5.0
+"""Largest |kappa| h; degree 16 then interpolates exp(kappa s) to 2.5^17/(2^16 17!) = 3e-13."""
 MAX_ELEMENTS = 5000
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ...numeric.matrix_ops import MatrixOps
 from ...numeric.ops import FLOATS, Ops, Value
@@ -22,6 +22,7 @@ from ..lumped.linear import PROFILE, StateSpace
 from ..lumped.lumped import BALANCE, OUTSIDE, flow, steady_towpoint_force
 from ..parameters import Choice
 
+P = TypeVar("P", bound=Choice)
 FLOOR = 1e-3
 """rad; least distance to the stream's direction by which a turn is measured."""
 
@@ -68,6 +69,14 @@ def setup_of(model: StateSpace, direct: Any, measured: Value, ops: MatrixOps) ->
         chain.least[n - 1], chain.imbalance[n - 1],
     )  # fmt: skip
     return Setup((model.a,), (model.b,), c, d, e, constants)
+
+
+def divided(p: P, chosen: Callable[[P], Chosen]) -> tuple[float, float]:
+    """(Number of segments, their grading): as the parameters say or, where they leave it open, as were chosen."""
+    if p.segments:
+        return p.segments, p.grading or 1.0
+    found = chosen(p)
+    return float(found.nodes), found.grading
 
 
 def chosen_setup(setup: Setup, chosen: Chosen) -> Setup:

@@ -56,6 +56,7 @@ class Size(NamedTuple):
     """What fixes the number of states."""
 
     segments: float = 24.0
+    grading: float = 1.0
 
 
 class Own(NamedTuple):
@@ -148,7 +149,7 @@ def requirements(p: Parameters, ops: Ops) -> tuple[Requirement, ...]:
 def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
     """The full model of ``size``."""
     tow = traced_tow(p, ops.scalars)
-    model = cable_model(matrices(hang(tow, int(size.segments), ops), True, ops), ops)
+    model = cable_model(matrices(hang(tow, int(size.segments), ops, size.grading), True, ops), ops)
     return _setup(ends_together(model, ops), ops)
 
 
@@ -160,7 +161,7 @@ def study(size: Size) -> Study:
     """Reduction, error of the segments."""
     direct = "direct", BODY_VELOCITY.start, OFFSET.start
     # with its body: between two given ends the error of the segments is not of second order
-    towed = tow_system.Size(size.segments, 1.0)
+    towed = tow_system.Size(size.segments, 1.0, size.grading)
     stand_in = tow_system.setup, towed
     comparisons = tuple(replace(each, stand_in=stand_in) for each in linear_tow.halved(towed, FEWEST))
     return Study(Reduction(True, "measured_inputs", "states", "model_error", direct), comparisons)
@@ -244,12 +245,12 @@ def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
 @remembered
 def chosen(p: Parameters) -> Chosen:
     """The state space that the parameters ask for, with its errors. Raises `CableError`."""
-    return choose(tow_of(p), True, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, with_body=False)
+    return choose(tow_of(p), True, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, with_body=False, grading=p.grading)
 
 
 def size(p: Parameters) -> Size:
     """As many segments as the parameters say or, where they leave it open, as were chosen."""
-    return Size(p.segments if p.segments else float(chosen(p).nodes))
+    return Size(*linear_tow.divided(p, chosen))
 
 
 def prepare(p: Parameters) -> Setup:

@@ -60,6 +60,7 @@ class Size(NamedTuple):
 
     segments: float = 20.0
     extensible: float = 0.0
+    grading: float = 1.0
 
 
 class Own(NamedTuple):
@@ -146,7 +147,7 @@ def setup(p: Parameters, size: Size, ops: MatrixOps) -> Setup:
     """The full model of ``size``."""
     tow = traced_tow(p, ops.scalars, extensible=size.extensible > 0.5)
     elastic = size.extensible > 0.5
-    hanging = matrices(hang(tow, int(size.segments), ops), elastic, ops)
+    hanging = matrices(hang(tow, int(size.segments), ops, size.grading), elastic, ops)
     model = elastic_model(hanging, ops) if elastic else rigid_model(hanging, ops)
     return _setup(model, model, tow, ops)
 
@@ -235,12 +236,13 @@ def describe(p: Parameters, constants: Constants, ops: Ops) -> Calculated:
 @remembered
 def chosen(p: Parameters) -> Chosen:
     """The state space that the parameters ask for, with its errors. Raises `CableError`."""
-    return choose(tow_of(p), p.extensible > 0.5, p.band, p.tolerance, int(p.segments), p.reduced > 0.5)
+    return choose(tow_of(p), p.extensible > 0.5, p.band, p.tolerance, int(p.segments), p.reduced > 0.5, grading=p.grading)
 
 
 def size(p: Parameters) -> Size:
     """As many segments as the parameters say or, where they leave it open, as were chosen."""
-    return Size(p.segments if p.segments else float(chosen(p).nodes), p.extensible)
+    segments, grading = linear_tow.divided(p, chosen)
+    return Size(segments, p.extensible, grading)
 
 
 def prepare(p: Parameters) -> Setup:

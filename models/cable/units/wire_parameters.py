@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,9 @@ class Parameters:
     ]
     breaking_load: Annotated[Value, parameter("N", 0.0, "Breaking load of the wire; 0: not known", min=0.0)]
     added_mass_coefficient: Annotated[Value, parameter("1", 1.0, "Added mass over displaced mass, wire and tail", min=0.0)]
+    momentum_added_mass: Annotated[
+        Value, parameter("1", 0.0, "1: momentum form of the added mass of wire and tail; 0: Morison's", min=0.0, max=1.0)
+    ]
     tail_length: Annotated[Value, parameter("m", 0.0, "Length of the tail below the wire; 0: none", min=0.0)]
     tail_mass: Annotated[Value, parameter("kg/m", 1.29, "Mass per length of the tail", min=1e-9)]
     tail_weight: Annotated[Value, parameter("N/m", 0.0, "Weight in water per length of the tail")]
@@ -54,13 +57,16 @@ class Parameters:
     clump_drag_area: Annotated[Value, parameter("m2", 0.0, "Its drag area", min=0.0)]
     body_mass: Annotated[Value, parameter("kg", 800.0, "Mass of the body", min=0.0)]
     body_added_mass: Annotated[Value, parameter("kg", 300.0, "Its added mass", min=0.0)]
+    body_added_mass_heave: Annotated[Value, parameter("kg", 0.0, "Its added mass in heave; 0: body_added_mass", min=0.0)]
     body_weight: Annotated[Value, parameter("N", 5000.0, "Its weight in water")]
+    body_lift: Annotated[Value, parameter("N", 0.0, "Constant lift on it; a depressor: negative")]
     body_drag_area: Annotated[Value, parameter("m2", 0.3, "Its drag area", min=0.0)]
+    body_drag: Annotated[Value, parameter("N", 0.0, "Constant force on it aft, beside that of its drag area", min=0.0)]
     body_port: Annotated[
         Value,
         parameter(
             "1", 0.0, "1: the body is a unit of its own at the wire's lower end, whose velocity comes in; body_mass to "
-            "body_drag_area give the steady tow alone", min=0.0, max=1.0,
+            "body_drag give the steady tow alone", min=0.0, max=1.0,
         ),
     ]  # fmt: skip
     surface_height: Annotated[
@@ -84,11 +90,13 @@ class Parameters:
 
 def requirements(p: Parameters, ops: Ops) -> list[Requirement]:
     """What the parameters must fulfil: weights below those in air, a known loading."""
+    # a body without mass is not weighed: the report's printed sample is one, whose mass is in its added masses
+    possible, why = weight_below_gravity(p.body_weight, p.body_mass, p.water_density, "body_weight", "body_mass", ops)
     form, port = (ops.where(v * (v - 1.0) == 0.0, 1.0, 0.0) for v in (p.loading_form, p.body_port))
     found = [
         weight_below_gravity(p.wire_weight, p.wire_mass, p.water_density, "wire_weight", "wire_mass", ops),
         weight_below_gravity(p.tail_weight, p.tail_mass, p.water_density, "tail_weight", "tail_mass", ops),
-        weight_below_gravity(p.body_weight, p.body_mass, p.water_density, "body_weight", "body_mass", ops),
+        (ops.where(p.body_mass == 0.0, 1.0, possible), why),
         weight_below_gravity(p.clump_weight, p.clump_mass, p.water_density, "clump_weight", "clump_mass", ops),
         liquid(p.water_density, ops),
     ]
@@ -116,6 +124,7 @@ def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
         )
         return Section(
             length, mass, weight, diameter, stiffness, 1.0, Loading(*terms), p.added_mass_coefficient, p.wire_damping,
+            momentum_form=p.momentum_added_mass,
         )  # fmt: skip
 
     return (
@@ -126,17 +135,26 @@ def _sections(p: Parameters, ops: Ops) -> tuple[Section, Section]:
     )  # fmt: skip
 
 
-def _masses(p: Parameters) -> tuple[tuple[Value, ...], tuple[Value, ...]]:
-    """(Body, clump), as `Mass` takes them."""
+def _masses(p: Parameters, ops: Ops) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """(Body, clump), as `Mass` takes them, of three components."""
+    heave = ops.where(p.body_added_mass_heave == 0.0, p.body_added_mass, p.body_added_mass_heave)
     return (
-        (p.body_mass, p.body_added_mass, p.body_weight, p.body_drag_area),
-        (p.clump_mass, p.clump_added_mass, p.clump_weight, p.clump_drag_area),
+        (p.body_mass, (p.body_added_mass, p.body_added_mass, heave), p.body_weight - p.body_lift, p.body_drag_area, p.body_drag),
+        (p.clump_mass, (p.clump_added_mass,) * 3, p.clump_weight, p.clump_drag_area, 0.0),
     )
+
+
+def _kept(p: Parameters) -> list[int]:
+    """Which of three components a vector has: forward and up in the plane."""
+    return [0, 1, 2] if p.in_space > 0.5 else [0, 2]
 
 
 def wire_of(p: Parameters) -> Wire:
     """The wire that the parameters describe. Raises `CableError`."""
-    (tail, wire), (body, clump) = _sections(p, FLOATS), (Mass(*each) for each in _masses(p))
+    kept = _kept(p)
+    (tail, wire), (body, clump) = _sections(p, FLOATS), (
+        Mass(mass, tuple(added[k] for k in kept), *others) for mass, added, *others in _masses(p, FLOATS)
+    )
     if p.tail_length > 0.0:
         return Wire((tail, wire), body, p.water_density, ((p.tail_length, clump),))
     return Wire((wire,), body, p.water_density)
@@ -155,14 +173,14 @@ def _flow(p: Parameters, ops: Ops) -> tuple[Value, tuple[Value, ...], tuple[Valu
 def flow_of(p: Parameters) -> Flow:
     """Current in the towing frame."""
     changes, *velocities = _flow(p, FLOATS)
-    kept = [0, 1, 2] if p.in_space > 0.5 else [0, 2]
-    table = np.array(velocities, float)[:, kept]
+    table = np.array(velocities, float)[:, _kept(p)]
     return Flow(np.array([-p.current_depth, 0.0]), table) if changes else Flow(np.zeros(1), table[1:])
 
 
 class Numbers(NamedTuple):
     """What the steps in C take (``fmus/native/runtime/chain/wire.h``): ``levels`` of the flow at the heights ``level``, its
-    velocities one after the other; ``bending``: EI, N m2; masses of three components, weight, drag of `point.Fixture`."""
+    velocities one after the other; ``bending``: EI, N m2; masses of three components, weight, drag, force aft of
+    `point.Fixture`."""
 
     dimensions: Value
     elements: Value
@@ -190,10 +208,10 @@ class Numbers(NamedTuple):
 
 def numbers(p: Parameters, ops: Ops) -> Numbers:
     """Of the wire that the parameters describe."""
-    (tail, wire), masses = _sections(p, ops), _masses(p)
+    (tail, wire), masses = _sections(p, ops), _masses(p, ops)
     changes, below, above = _flow(p, ops)
     body, clump = (
-        (*([mass + added] * 3), weight, 0.5 * p.water_density * area) for mass, added, weight, area in masses
+        (*(mass + each for each in added), weight, 0.5 * p.water_density * area, aft) for mass, added, weight, area, aft in masses
     )
     return Numbers(
         ops.where(p.in_space > 0.5, 3.0, 2.0), p.elements, p.degree, p.tolerance, p.velocity_tolerance, p.largest_step,

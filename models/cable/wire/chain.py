@@ -119,14 +119,15 @@ class Chain:
         nodes = np.array([int(np.abs(self.mesh.places - s).argmin()) for s, _ in parts], dtype=int)
         found = [mass.fixture(self.wire.density, self.dimensions) for _, mass in parts]
         masses = np.array([f.masses for f in found]).reshape(-1, self.dimensions)
-        return nodes, Fixture(components(masses), np.array([f.weight for f in found]), np.array([f.drag for f in found]))
+        weight, drag, aft = np.array([f[1:] for f in found]).reshape(-1, 3).T
+        return nodes, Fixture(components(masses), weight, drag, aft)
 
     @cached_property
     def fixed(self) -> list[tuple[int, Fixture]]:
         """The same one by one, of numbers."""
         nodes, all_of = self.fixtures
         return [
-            (int(node), Fixture(tuple(float(m[k]) for m in all_of.masses), float(all_of.weight[k]), float(all_of.drag[k])))
+            (int(node), Fixture(tuple(float(m[k]) for m in all_of.masses), *(float(each[k]) for each in all_of[1:])))
             for k, node in enumerate(nodes)
         ]
 
@@ -211,7 +212,7 @@ class Chain:
         """(n, q) at points."""
         g, rate, v, a = map(components, parts)
         n = joined(pull(g, rate, self.material, self.ops)[0])
-        return n, joined(load(g, v, a, self.material, self.ops))
+        return n, joined(load(g, rate, v, a, self.material, self.ops))
 
     def pulls(self, r: Array, u: Array, b: Array, drive: Drive) -> Array:
         """n at points, N, (E, p+1, d), by the balance dn/ds = q from the lower end on: as exact as the reaction at the top."""

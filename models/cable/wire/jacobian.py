@@ -16,7 +16,8 @@ def derivatives(
     chain: Chain, r: Array, u: Array, b: Array, paid: Paid = NOTHING_PAID
 ) -> tuple[Array, Array, Array]:
     """(K, C, M): derivatives of R by positions, velocities and accelerations within elements, (E, p+1, d, p+1, d); those
-    of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration."""
+    of fixtures are in the diagonal blocks of the elements' first nodes. Left out: how payout changes the acceleration, and
+    the convected added mass by the rate of the slope."""
     sizes = chain.lengths(paid)
     d, p, e = chain.dimensions, chain.mesh.degree, len(chain.mesh.lengths)
     parts = chain.at_points(r, u, b, sizes, any(paid[1:]))
@@ -29,7 +30,7 @@ def derivatives(
         seeded[3][2 * d + k, ..., k] += 1j * STEP
     g, rate, v, a = (components(x) for x in seeded)
     n = joined(pull(g, rate, chain.material, chain.ops)[0]).imag / STEP
-    q = joined(load(g, v, a, chain.material, chain.ops)).imag / STEP
+    q = joined(load(g, components(parts[1]), v, a, chain.material, chain.ops)).imag / STEP
     # (seed, E, point, component) -> (E, point, component, seed)
     n, q = np.moveaxis(n, 0, -1), np.moveaxis(q, 0, -1)
     slopes, weights = chain.rule.slopes, chain.rule.weights

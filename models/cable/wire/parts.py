@@ -22,7 +22,8 @@ PLANE, SPACE = 2, 3
 @dataclass(frozen=True)
 class Section:
     """A stretch of wire: ``length``, m; per unstretched length ``mass``, kg/m, and ``weight`` in water, N/m; ``diameter``,
-    m; ``axial_stiffness`` EA, N; drag coefficient and ``loading``; ``damping`` B, N s, acts in tension."""
+    m; ``axial_stiffness`` EA, N; drag coefficient and ``loading``; ``damping`` B, N s, acts in tension; ``momentum_form`` of
+    the added mass, else Morison's."""
 
     length: float
     mass: float
@@ -34,12 +35,13 @@ class Section:
     added_mass_coefficient: float = 1.0
     damping: float = 0.0
     breaking_load: float = math.inf
+    momentum_form: bool | Value = False
 
     def material(self, density: float) -> Material:
         """Its points in water of ``density``, kg/m3."""
+        added = self.added_mass_coefficient * density * math.pi * self.diameter**2 / 4.0
         return Material(
-            self.axial_stiffness, self.damping, self.mass,
-            self.added_mass_coefficient * density * math.pi * self.diameter**2 / 4.0, self.weight,
+            self.axial_stiffness, self.damping, self.mass, added, self.momentum_form * added, self.weight,
             *drag_terms(self.loading, 0.5 * density * self.diameter * self.drag_coefficient),
         )  # fmt: skip
 
@@ -58,17 +60,18 @@ def cross_flow_section(normal_drag: float, tangential_drag: float) -> tuple[floa
 @dataclass(frozen=True)
 class Mass:
     """A body, clump or buoy: ``mass`` and ``added_mass`` (isotropic, or one a component), kg; ``weight`` in water, N,
-    positive down; ``drag_area`` C_D A, m2."""
+    positive down; ``drag_area`` C_D A, m2; ``aft``: a constant force aft, N."""
 
     mass: float
     added_mass: float | tuple[float, ...]
     weight: float
     drag_area: float
+    aft: float = 0.0
 
     def fixture(self, density: float, dimensions: int) -> Fixture:
         """What it is to the node that it is fixed to."""
         added = np.broadcast_to(np.asarray(self.added_mass, float), dimensions)
-        return Fixture(tuple(float(self.mass + m) for m in added), self.weight, 0.5 * density * self.drag_area)
+        return Fixture(tuple(float(self.mass + m) for m in added), self.weight, 0.5 * density * self.drag_area, self.aft)
 
 
 @dataclass(frozen=True)

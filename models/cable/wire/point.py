@@ -1,7 +1,7 @@
 """Physics of one point of a wire, and of what is fixed to it: pull of the wire and resisting load, written once.
 
     n = T t,   T = EA max(0, |g| - 1) + B (t . g'),   t = g/|g|,   g = dr/ds           pull along the wire, N
-    q = w e_z + D(v, t) + m a + m_a (a - (a . t) t)                                     load per unstretched length, N/m
+    q = w e_z + D(v, t) + m a + m_a (a - (a . t) t) - m_c (V t' + (v . t') t)           load per unstretched length, N/m
 
 The wire obeys dn/ds = q. Loads are resisting: q points where the point would have to be pushed. Vectors are tuples of two
 (x forward, z up) or three components (x, y to port, z up); the last points up.
@@ -13,7 +13,8 @@ The wire obeys dn/ds = q. Loads are resisting: q points where the point would ha
 | V, U | components of v along and across t; q_v = |v| | m/s |
 | D | (N/|U|) U + G t, N and G of ten coefficients, below | N/m |
 | EA, B | axial stiffness, internal damping (acts in tension only) | N, N s |
-| m, m_a, w | mass, added mass across t (Morison's form), weight in water, per length | kg/m, kg/m, N/m |
+| m, m_a, w | mass, added mass across t, weight in water, per length | kg/m, kg/m, N/m |
+| m_c | 0: Morison's form of the added mass; m_a: that of momentum, m_a d/dt of v across t | kg/m |
 
     N = c_vv V^2 + c_uu U^2 + c_q (|V| q_v c_1 + U q_v c_3) + c_uv U |V|, likewise G times the sign of V
 
@@ -47,6 +48,7 @@ class Material(NamedTuple):
     damping: Value
     mass: Value
     added_mass: Value
+    convected: Value
     weight: Value
     normal_vv: Value
     normal_uu: Value
@@ -61,11 +63,13 @@ class Material(NamedTuple):
 
 
 class Fixture(NamedTuple):
-    """What is fixed to a node: masses, kg (per component), weight in water, N, drag rho A/2, N s2/m2."""
+    """What is fixed to a node: masses, kg (per component), weight in water, N, drag rho A/2, N s2/m2, and a constant force
+    aft, N."""
 
     masses: Vector
     weight: Value
     drag: Value
+    aft: Value
 
 
 def drag_terms(loading: Loading, factor: float) -> tuple[float, ...]:
@@ -114,7 +118,7 @@ def pull(g: Vector, g_rate: Vector, k: Material, ops: Ops) -> tuple[Vector, Valu
     return tuple(factor * c for c in g), stretch
 
 
-def load(g: Vector, v: Vector, a: Vector, k: Material, ops: Ops) -> Vector:
+def load(g: Vector, g_rate: Vector, v: Vector, a: Vector, k: Material, ops: Ops) -> Vector:
     """q, N/m."""
     inverse = 1.0 / ops.sqrt(dot(g, g) + NO_LENGTH2)
     t = tuple(inverse * c for c in g)
@@ -134,7 +138,15 @@ def load(g: Vector, v: Vector, a: Vector, k: Material, ops: Ops) -> Vector:
     )  # fmt: skip
     tangential = tangential * along - k.added_mass * dot(a, t)
     inertia = k.mass + k.added_mass
-    q_vector = tuple(normal * c + tangential * e + inertia * b for c, e, b in zip(across, t, a))
+    if absent(k.convected):
+        q_vector = tuple(normal * c + tangential * e + inertia * b for c, e, b in zip(across, t, a))
+    else:
+        stretching = dot(g_rate, t)
+        turning = tuple(inverse * (c - stretching * e) for c, e in zip(g_rate, t))
+        tangential, convected = tangential - k.convected * dot(v, turning), k.convected * along
+        q_vector = tuple(
+            normal * c + tangential * e + inertia * b - convected * f for c, e, b, f in zip(across, t, a, turning)
+        )
     return (*q_vector[:-1], q_vector[-1] + k.weight)
 
 
@@ -151,4 +163,4 @@ def fixture_load(v: Vector, a: Vector, k: Fixture, ops: Ops) -> Vector:
     """The same of a body, clump or buoy, N."""
     factor = k.drag * ops.sqrt(dot(v, v) + SMALL_SPEED2)
     total = tuple(m * b + factor * c for m, b, c in zip(k.masses, a, v))
-    return (*total[:-1], total[-1] + k.weight)
+    return (total[0] + k.aft, *total[1:-1], total[-1] + k.weight)

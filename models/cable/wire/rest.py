@@ -115,7 +115,7 @@ def _between(wire: Wire, flow: Flow, frame: Frame, rtol: float) -> Shape:
     for part in wire.sections:
         v = frame.velocity - flow.at(lower[-1:])[0][0]
         k = part.material(wire.density)
-        loads += part.length * np.array(load(tuple(chord), tuple(v), (0.0,) * d, k, FLOATS))
+        loads += part.length * np.array(load(tuple(chord), (0.0,) * d, tuple(v), (0.0,) * d, k, FLOATS))
     across = float(np.linalg.norm(loads - (loads @ chord) * chord))
     low, high = 1e-9 * stiffness, 10.0 * stiffness
     for _ in range(100):
@@ -175,7 +175,7 @@ def _marched(
             tension = math.sqrt(float(n @ n)) + NO_TENSION
             g = tuple(((1.0 / tension + 1.0 / k.stiffness) * n).tolist())
             v, a = through(r)
-            return np.array([*g, *load(g, tuple(v.tolist()), tuple(a.tolist()), k, FLOATS)])
+            return np.array([*g, *load(g, tuple((spin @ g).tolist()), tuple(v.tolist()), tuple(a.tolist()), k, FLOATS)])
 
         # a layer of a few metres at the end of a long wire is stiff beyond it
         size = 1e-3 * rtol * np.array([wire.length] * d + [np.linalg.norm(y[d:]) + abs(part.weight) * part.length + 1.0] * d)

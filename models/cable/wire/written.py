@@ -149,7 +149,7 @@ class Written:
                 a = _plus(_plus(a, rate, -2.0 * sigma), bend, sigma * sigma)
                 a, v = _plus(a, g, -share * paid[2]), _plus(v, g, -1.0 * sigma)
             n = pull(g, rate, material, self.ops)[0]
-            points.append(Point(g, bend, v, n, load(g, v, a, material, self.ops), self._weights[i] * length))
+            points.append(Point(g, bend, v, n, load(g, rate, v, a, material, self.ops), self._weights[i] * length))
         return points, length
 
     def accelerations(self, look: Look, top: Vector, lower: Vector) -> list[Vector]:

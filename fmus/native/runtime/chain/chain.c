@@ -98,10 +98,11 @@ double chain_fixture_speed(const Chain *chain, const double *r, const double *u,
 void chain_fixture(const Chain *chain, int fixture, const double *r, const double *u, const double *b, double *load)
 {
     const int d = chain->dimensions;
-    const double *numbers = chain->fixture + fixture * (d + 2);
+    const double *numbers = chain->fixture + fixture * (d + FIXTURE_OTHERS);
     double v[MOST_DIMENSIONS];
     const double factor = numbers[d + 1] * chain_fixture_speed(chain, r, u, v, NULL);
     for (int c = 0; c < d; c++) load[c] += numbers[c] * b[c] + factor * v[c];
+    load[0] += numbers[d + 2];
     load[d - 1] += numbers[d];
 }
 
@@ -171,7 +172,7 @@ static void add_fixtures(const Chain *chain, const double *r, const double *u, d
     const int d = chain->dimensions, width = chain_width(chain);
     for (int k = 0; k < chain->fixtures; k++) {
         const int at = chain->fixture_node[k] * d;
-        const double *fixture = chain->fixture + k * (d + 2);
+        const double *fixture = chain->fixture + k * (d + FIXTURE_OTHERS);
         double v[MOST_DIMENSIONS], slope[MOST_DIMENSIONS];
         const double speed = chain_fixture_speed(chain, r + at, u + at, v, slope);
         for (int a = 0; a < d; a++) {

@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-enum { MOST_DIMENSIONS = 3, MOST_DEGREE = 6, POINT_MATERIAL = 15 };
+enum { MOST_DIMENSIONS = 3, MOST_DEGREE = 6, POINT_MATERIAL = 16, FIXTURE_OTHERS = 3 };
 
 /* Points of an element of one degree (elements.py): slope of polynomial j at point q is slopes[q (p + 1) + j], its
  * integral up to there integrals[...] likewise; rows of the last two Legendre coefficients of values at points; values
@@ -32,7 +32,7 @@ typedef struct {
     const ChainRule *rule;
     int fixtures;
     const int *fixture_node;
-    const double *fixture; /* of each: masses by component, weight, drag */
+    const double *fixture; /* of each: masses by component, weight, drag, force aft */
     int levels;            /* of the flow */
     const double *level, *flow;
     PointFunction *loads, *derivatives, *change; /* change: of loads in a moment, for chain_look.c */

@@ -126,7 +126,7 @@ void chain_fixture_loads_change(const Chain *chain, const Motion *at, const Moti
     const int d = chain->dimensions;
     for (int k = 0; k < chain->fixtures; k++) {
         const int node = chain->fixture_node[k] * d;
-        const double *numbers = chain->fixture + k * (d + 2);
+        const double *numbers = chain->fixture + k * (d + FIXTURE_OTHERS);
         double v[MOST_DIMENSIONS], slope[MOST_DIMENSIONS], dv[MOST_DIMENSIONS], along = 0.0;
         const double speed = chain_fixture_speed(chain, at->r + node, at->u + node, v, slope);
         for (int c = 0; c < d; c++) {

@@ -20,7 +20,7 @@ struct Wire {
     double *steady, *still; /* nodes at rest; zeros */
     double *half, *material, *share;
     int fixture_node[2];
-    double fixture[2 * (MOST_DIMENSIONS + 2)], level[2], flow[2 * MOST_DIMENSIONS];
+    double fixture[2 * (MOST_DIMENSIONS + FIXTURE_OTHERS)], level[2], flow[2 * MOST_DIMENSIONS];
     double begun[MOST_DIMENSIONS]; /* place of the lower end before the step that is under way */
     double needed_top[MOST_DIMENSIONS], needed_lower[MOST_DIMENSIONS], least, most, at_body; /* at rest */
     int station[WIRE_STATIONS];                        /* first node of the element of each */

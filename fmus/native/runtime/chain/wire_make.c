@@ -29,10 +29,9 @@ static void describe(Instance *it, Wire *wire)
     chain->damped = numbers->wire[CHAIN_DAMPING] > 0.0;
     chain->fixtures = sections;
     for (int k = 0; k < sections; k++) {
-        double *fixture = wire->fixture + k * (d + 2);
+        double *fixture = wire->fixture + k * (d + FIXTURE_OTHERS);
         wire_components(wire, masses[k], 1, fixture);
-        fixture[d] = masses[k][3];
-        fixture[d + 1] = masses[k][4];
+        memcpy(fixture + d, masses[k] + 3, FIXTURE_OTHERS * sizeof *fixture);
     }
     chain->fixture_node = wire->fixture_node;
     chain->fixture = wire->fixture;
@@ -218,7 +217,7 @@ static void release_body(Wire *wire)
     chain->held = 1;
     chain->fixtures--;
     chain->fixture_node++;
-    chain->fixture += chain->dimensions + 2;
+    chain->fixture += chain->dimensions + FIXTURE_OTHERS;
 }
 
 Outcome wire_settle(Instance *it)
