@@ -1,0 +1,229 @@
+"""An operability study: a scene in all seas of a scatter diagram, from all headings, some seeds each; journaled, and resumed.
+
+from towage.operability.study import Study
+
+study = Study.of("cage_300m", ["line.margin_taut > 0", "line.tension < 450 kN"], seeds=20)
+result = study.run("out/study")
+result.outcome.whole.holds
+"""
+
+from __future__ import annotations
+
+import os
+import time as clock
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from towage.errors import SceneError
+from towage.operability import scatter as diagrams
+from towage.operability.cells import Cells, cells, headings
+from towage.operability.extremes import FEWEST
+from towage.operability.outcome import Outcome, outcome
+from towage.operability.screening import Screening, screened
+from towage.process import stop
+from towage.scene.flavour import Flavour
+from towage.scene.resolve import described
+from towage.scene.scene import Scene
+from towage.scene.select import one_case
+from towage.sweeps.criteria import Criterion, criterion
+from towage.sweeps.design import Design
+from towage.sweeps.journal import Journal
+from towage.sweeps.sweep import JOURNAL, Sweep
+from towage.sweeps.table import Table
+from towage.units.store import locator
+
+Engine = Literal["auto", "ensemble", "runs"]
+Hear = Callable[[float, float, int], None]
+"""Told (hours simulated now, hours to do now, runs of the whole study that were not done)."""
+SEEDS, LENGTH, TRANSIENT, PROBABILITY, HEADINGS = 20, 10800.0, 200.0, 0.9, ("12",)
+
+
+@dataclass(frozen=True)
+class Done:
+    """A study that came to its end. ``hours``: simulated now, transients included, in ``elapsed`` s; ``notes``: how it was made."""
+
+    outcome: Outcome
+    table: Table
+    screening: Screening
+    hours: float
+    elapsed: float
+    notes: tuple[str, ...]
+
+    @property
+    def rate(self) -> float:
+        """Simulated hours a second of this call; NaN where nothing was left to do."""
+        return self.hours / self.elapsed if self.hours else float("nan")
+
+
+@dataclass(frozen=True)
+class Study:
+    """A scene without cases and what is asked of it. ``length`` of a record and ``transient`` before it, s. ``probability`` with
+    which an extreme is not passed. ``engine``: "ensemble" or "runs". ``notes``: what was decided."""
+
+    sweep: Sweep
+    cells: Cells
+    criteria: tuple[Criterion, ...]
+    transient: float
+    probability: float
+    engine: Engine
+    step: float
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene | str | Path,
+        criteria: Sequence[str],
+        *,
+        case: str | None = None,
+        scatter: str = "north_atlantic",
+        directions: Sequence[str] = HEADINGS,
+        seeds: int = SEEDS,
+        first: int = 1,
+        length: float = LENGTH,
+        transient: float = TRANSIENT,
+        probability: float = PROBABILITY,
+        engine: Engine = "auto",
+        fmus: Path | None = None,
+        flavour: Flavour = "auto",
+        timeout: float = 60.0,
+    ) -> Study:
+        """The study of a scene. ``criteria`` as in `towage.sweeps.criteria`, at least one; ``scatter``: a file or the name of a
+        shipped diagram; ``directions`` as in `cells.headings`. Raises `SceneError` and `FileError`."""
+        if not criteria:
+            raise SceneError("no criterion: give at least one, as 'line.margin_taut > 0'", key="--criterion")
+        if seeds < FEWEST:
+            raise SceneError(
+                f"{seeds} seeds: expected at least {FEWEST}, by which a distribution is fitted", key="--seeds"
+            )
+        if not 0.5 <= probability < 1.0:
+            raise SceneError(f"{probability:g}: expected a probability from 0.5 to below 1", key="--quantile")
+        one = one_case(scene, case)
+        changed = one.setting({"stop_time": transient + length}, "--length")
+        diagram, chosen = diagrams.load(scatter), headings(directions)
+        resolved = described(changed, locator(fmus))
+        plan = cells(resolved, diagram, chosen, seeds, first, length)
+        sweep = Sweep(changed, plan.design(), fmus, flavour, timeout, since=transient)
+        recorded = sweep.measures()
+        wanted = tuple(criterion(text, recorded, "--criterion") for text in criteria)
+        made = cls(sweep, plan, wanted, transient, probability, engine, 0.0, (diagram_note(plan),))
+        return made if engine == "runs" else made._compiled()
+
+    def _compiled(self) -> Study:
+        """By an ensemble, if the scene composes; headings are mirrored where that changes nothing."""
+        from towage.operability.ensembles import ensemble_of, interval, mirrored
+
+        try:
+            ensemble = ensemble_of(self.scene, self.cells, self.names)
+        except (SceneError, ImportError) as error:
+            if self.engine == "ensemble":
+                raise
+            note = f"by supervised runs of the master, as the scene is not computed as an ensemble: {error}"
+            return replace(self, engine="runs", notes=(*self.notes, note))
+        plan, notes = self.cells, [*self.notes]
+        resolved = described(self.scene, locator(self.sweep.fmus))
+        paired = cells(
+            resolved, plan.scatter, plan.headings, plan.seeds, plan.first, plan.length, mirror=True
+        )  # fmt: skip
+        if paired.run != plan.run and mirrored(ensemble, plan):
+            count = sum(run != k for k, run in enumerate(paired.run))
+            notes.append(
+                f"{count} headings take the runs of their mirrors: in all periods the motions there were found to be the same"
+            )
+            plan = paired
+        sweep = replace(self.sweep, design=plan.design())
+        return replace(
+            self, sweep=sweep, cells=plan, engine="ensemble", step=interval(self.scene, plan), notes=tuple(notes)
+        )
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, with the length of the study's runs."""
+        return self.sweep.scene
+
+    @property
+    def names(self) -> list[str]:
+        """Variables that criteria look at."""
+        return list(dict.fromkeys(one.name for one in self.criteria))
+
+    @property
+    def design(self) -> Design:
+        """The runs."""
+        return self.sweep.design
+
+    def identity(self) -> dict[str, Any]:
+        """All that the rows depend on."""
+        from towage.operability import ensembles
+
+        known = {"engine": self.engine, "length": self.cells.length, "transient": self.transient}
+        if self.engine == "ensemble":
+            known |= {"step": self.step, "accuracy": ensembles.ACCURACY, "observed": self.names}
+        return {**self.sweep.identity(), "study": known}
+
+    def run(self, out: str | Path, resume: bool = False, workers: int | None = None, hear: Hear | None = None) -> Done:
+        """The study, by ``workers`` threads or processes (default: one a processor); its journal in ``out``, from which ``resume``
+        goes on. Raises what `Sweep.run` and `Ensemble` raise."""
+        place, threads = Path(out), workers or os.cpu_count() or 1
+        place.mkdir(parents=True, exist_ok=True)
+        begun = clock.monotonic()
+        each = (self.cells.length + self.transient) / 3600.0
+        if self.engine == "runs":
+            counted = [0]
+
+            def heard(ended: int, total: int, failed: int) -> None:
+                """Runs as hours."""
+                counted[0] = ended
+                if hear:
+                    hear(ended * each, total * each, failed)
+
+            table = self.sweep.run(place, resume, threads, None, heard)
+            notes, hours = [*self.notes], counted[0] * each
+            if self.engine == "runs" and not any("supervised" in note for note in notes):
+                notes.append("by supervised runs of the master")
+        else:
+            table, hours, said = self._by_ensemble(place, resume, threads, each, hear)
+            notes = [*self.notes, said]
+        elapsed = clock.monotonic() - begun
+        found = outcome(self.cells, table, self.criteria, self.probability, self.scene.checks.report_only)
+        linear = screened(described(self.scene, locator(self.sweep.fmus)), self.cells, self.criteria, self.probability)
+        return Done(found, table, linear, hours, elapsed, tuple(notes))
+
+    def _by_ensemble(
+        self, out: Path, resume: bool, workers: int, each: float, hear: Hear | None
+    ) -> tuple[Table, float, str]:
+        """(table, hours simulated, how it was made)."""
+        from towage.operability import ensembles
+
+        count = len(self.design.points)
+        ensemble = ensembles.ensemble_of(self.scene, self.cells, self.names)
+        times = ensembles.times_of(self.cells.length, self.transient, self.step)
+        with Journal(out / JOURNAL, self.identity(), resume, count) as journal:
+            todo = [k for k in range(count) if k not in journal.rows]
+            differs = ensembles.checked(ensemble, self.step)
+            failed = sum(row.status != "done" for row in journal.rows.values())
+            with closing(ensembles.rows(ensemble, todo, times, workers)) as batches:  # type: ignore[type-var]
+                for batch in batches:
+                    stop.look()
+                    for row in batch or ():
+                        journal.append(row)
+                        failed += row.status != "done"
+                    journal.sync()
+                    if hear:
+                        hear(each * (len(journal.rows) - count + len(todo)), each * len(todo), failed)
+            table = Table.of(self.scene.title, self.design, journal.rows, self.sweep.measures())
+        note = (
+            f"computed as one ensemble in compiled code, extremes of outputs every {self.step:g} s; {ensembles.SAMPLE} runs, drawn at "
+            f"random, were computed again by the FMU path over {ensembles.SAMPLED:g} s and differ by at most {differs:.1e} of a "
+            "variable's largest value. Comparisons with a second run (checks sdof and wire, coupling errors) are not made "
+            "in an ensemble: run a cell near the limit by `towage run`"
+        )
+        return table, each * len(todo), note
+
+
+def diagram_note(plan: Cells) -> str:
+    """The diagram and the spectrum in words."""
+    scatter = plan.scatter
+    return f"scatter diagram {scatter.source}, {len(scatter.heights)} heights by {len(scatter.periods)} periods; {plan.note}"
