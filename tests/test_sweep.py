@@ -530,7 +530,8 @@ def short(out: Path, engine: str, *more: str) -> list[str]:
     return [
         "sweep", "slack", "--vary", "ship.heave_amplitude=2 ft:6 ft:3",
         "--vary", "cradle.weight_in_water=6 tonf_long:12 tonf_long:2", "--set", "stop_time=40 s",
-        "--set", "checks.sdof.settle=20 s", "--limit", "line.tension=45 kip", "--limit", "line.margin_taut > 0", "--engine", engine, "--out", str(out),
+        "--set", "checks.sdof.settle=20 s", "--limit", "line.tension=45 kip",
+        "--limit", "line.margin_taut > 0", "--engine", engine, "--out", str(out),
         "--progress", "none", *more,
     ]  # fmt: skip
 

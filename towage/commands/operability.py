@@ -47,7 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--engine", choices=("auto", "ensemble", "runs"), default="auto",
-        help="all runs as one ensemble in compiled code, or supervised runs of the master (auto: an ensemble if the scene composes)",
+        help="all runs as one ensemble in compiled code, or supervised runs of the master (auto: an ensemble if the scene "
+        "composes)",
     )  # fmt: skip
     parser.add_argument("--out", metavar="DIR", type=Path, help="where the files go (default: out/<scene>_operability)")
     parser.add_argument(
@@ -59,11 +60,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--progress", choices=("auto", "json", "none"), default="auto", help="as of towage run; in simulated hours"
     )
     parser.epilog = (
-        "The sea goes to the unit with inputs wave_height, wave_period, wave_direction (ship_in_sea); its spectrum is the scene's, as\n"
-        "--set ship.peakedness=3.3 for JONSWAP. Writes journal.jsonl, from which --resume goes on, cells.csv, limits.csv, study.json\n"
-        "and report.html. Returns 4 if some runs were not done.\n\n"
+        "The sea goes to the unit with inputs wave_height, wave_period, wave_direction (ship_in_sea); its spectrum is the\n"
+        "scene's, as --set ship.peakedness=3.3 for JONSWAP. Writes journal.jsonl, from which --resume goes on, cells.csv,\n"
+        "limits.csv, study.json and report.html. Returns 4 if some runs were not done.\n\n"
         "example:\n  towage operability cage_300m --criterion 'line.margin_taut > 0' --criterion 'line.tension < 350 kN'\n"
-        "  towage operability cage_300m --criterion 'cage.velocity < 1.5 m/s' --scatter site.csv --headings '180,150,210' --length '1 h'"
+        "  towage operability cage_300m --criterion 'cage.velocity < 1.5 m/s' --scatter site.csv --headings '180,150,210'"
     )
 
 

@@ -1,8 +1,8 @@
 """The runs of an operability study: the seas of a scatter diagram from every heading, some seeds each.
 
-The sea goes to the one unit of the scene with inputs `wave_height`, `wave_period`, `wave_direction` that nothing feeds, and a
-parameter `seed` (`ship_in_sea`). A cell is a heading, a height and a period with a share of the time. All heights of a heading and a
-period have the same seeds, so that limits do not jump from height to height by chance; no other cells share one.
+The sea goes to the one unit of the scene with inputs `wave_height`, `wave_period`, `wave_direction` that nothing feeds, and
+a parameter `seed` (`ship_in_sea`). A cell is a heading, a height and a period with a share of the time. All heights of a heading
+and a period have the same seeds, so that limits do not jump from height to height by chance; no other cells share one.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Headings:
 @dataclass(frozen=True)
 class Cells:
     """``unit`` takes the sea; ``peaks``: peak periods, s, of the columns of ``scatter``; ``run``: of each heading, the one
-    whose runs it takes (its own, or its mirror); ``places``: heading, height and period of every cell with runs, shape (cells, 3);
+    whose runs it takes (its own, or its mirror); ``places``: heading, height and period of every cell with runs, (cells, 3);
     ``note``: what was converted. ``seeds`` a cell, from ``first`` on; ``length`` of a record, s."""
 
     unit: str
@@ -150,8 +150,8 @@ def sea_unit(resolved: ResolvedScene) -> str:
             found.append(name)
     if len(found) != 1:
         raise SceneError(
-            f"{len(found)} units ({', '.join(found) or 'none'}) with inputs {', '.join(SEA)} and a parameter seed, as ship_in_sea "
-            "has them: expected one, which takes the seas of the diagram",
+            f"{len(found)} units ({', '.join(found) or 'none'}) with inputs {', '.join(SEA)} and a parameter seed, as those of "
+            "ship_in_sea: expected one, which takes the seas of the diagram",
             file=resolved.scene.file, key="units",
         )  # fmt: skip
     for variable in SEA:

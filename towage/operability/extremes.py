@@ -7,15 +7,15 @@
 | mu, beta | location and scale of the Gumbel distribution; mu is the most probable maximum | that of y |
 | y_q | value that the maximum stays under with probability q | that of y |
 
-Fitted by maximum likelihood. The estimators move with the data (y -> a + b y), so that (y_q - mu^)/beta^ has one distribution for
-every mu and beta, which is found once for N and q from `DRAWS` samples of N standard Gumbel values. Confidence intervals are
-thus exact for maxima that are Gumbel's, for any N, but for 1 % of their width (the draws); no asymptotics, no bootstrap. So is the test
-of fit by the correlation coefficient of the probability plot. Minima are maxima of -y.
+Fitted by maximum likelihood. The estimators move with the data (y -> a + b y), so that (y_q - mu^)/beta^ has one distribution
+for every mu and beta, which is found once for N and q from `DRAWS` samples of N standard Gumbel values. Confidence intervals are
+thus exact for maxima that are Gumbel's, for any N, but for 1 % of their width (the draws). So is the test of fit by the
+correlation coefficient of the probability plot. Minima are maxima of -y.
 
-Assumptions: (1) the records are independent; (2) peaks have a tail of the exponential kind (Gaussian, Rayleigh, Weibull), whose
-maxima tend to Gumbel's distribution (Fisher and Tippett; with 1000 waves in three hours it is near, and the fit is tested); a
-line that snaps or a value with a bound has another one. Where several records have one and the same extreme, as at a bound, nothing is
-fitted: quantiles are those of the sample, and intervals those of binomial counts.
+Assumptions: (1) the records are independent; (2) peaks have a tail of the exponential kind (Gaussian, Rayleigh, Weibull),
+whose maxima tend to Gumbel's distribution (Fisher and Tippett; with 1000 waves in three hours it is near, and the fit is tested);
+a line that snaps or a value with a bound has another one. Where several records have one and the same extreme, as at a bound,
+nothing is fitted: quantiles are those of the sample, and intervals those of binomial counts.
 
 Sources: E. J. Gumbel, Statistics of Extremes (1958); J. F. Lawless, Statistical Models and Methods for Lifetime Data (2003), 5.2
 (pivotal quantities); R. M. Vogel, Water Resources Research 22 (1986) 587-590 (correlation test); C. J. Clopper, E. S. Pearson,
@@ -24,6 +24,7 @@ Biometrika 26 (1934) 404-413. That maxima of some 20 records are fitted so is co
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -46,9 +47,9 @@ EQUAL = 1e-9
 @dataclass(frozen=True)
 class Extreme:
     """What N extremes say. ``probable``: most probable extreme; ``quantile``, not passed with the probability asked for, and its
-    confidence interval ``low`` ... ``high``; ``exceedance``: probability to pass the limit, with ``least`` ... ``most``. ``fit``: share
-    of samples of Gumbel's distribution that look less like it (NaN: nothing was fitted). ``kind``: "Gumbel", "sample" (of
-    values at a bound), "constant"."""
+    confidence interval ``low`` ... ``high``; ``exceedance``: probability to pass the limit, with ``least`` ... ``most``. ``fit``:
+    share of samples of Gumbel's distribution that look less like it (NaN: nothing was fitted). ``kind``: "Gumbel", "sample" (of
+    values at a bound), "constant", "linear" (`screening`)."""
 
     probable: float
     quantile: float
@@ -76,15 +77,15 @@ def of_maxima(values: Array, limit: float, upper: bool, probability: float) -> E
         return _of_sample(y, bound, sign, probability)
     mu, beta, fit = (float(v[0]) for v in fitted(y[None, :]))
     locations, scales, fits = _pivots(len(y))
-    g = -np.log(-np.log(probability))
+    g = -math.log(-math.log(probability))
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile((g - locations) / scales, (tail, 1.0 - tail))
     z = (bound - mu) / beta
     # P(g_p <= locations + scales z): what the limit is in the sample's own measure (Lawless)
     inner, outer = np.quantile(locations + scales * z, (1.0 - tail, tail))
-    ends = sorted((sign * (mu + beta * low), sign * (mu + beta * high)))
+    least, most = sorted((sign * (mu + beta * float(low)), sign * (mu + beta * float(high))))
     return Extreme(
-        sign * mu, sign * (mu + beta * g), *ends, _passes(z), _passes(inner), _passes(outer),
+        sign * mu, sign * (mu + beta * g), least, most, _passes(z), _passes(inner), _passes(outer),
         float(np.mean(fits <= fit)), "Gumbel",
     )  # fmt: skip
 
@@ -105,8 +106,8 @@ def _of_sample(y: Array, bound: float, sign: float, probability: float) -> Extre
     ranks = binom.ppf((tail, 1.0 - tail), n, probability)
     low, high = (y[int(min(max(rank - shift, 0), n - 1))] for rank, shift in zip(ranks, (1, 0)))
     quantile = float(np.quantile(y, probability, method="higher"))
-    ends = sorted((sign * float(low), sign * float(high)))
-    return Extreme(sign * float(np.median(y)), sign * quantile, *ends, passed / n, least, most, np.nan, "sample")
+    low, high = sorted((sign * float(low), sign * float(high)))
+    return Extreme(sign * float(np.median(y)), sign * quantile, low, high, passed / n, least, most, np.nan, "sample")
 
 
 def fitted(samples: Array) -> tuple[Array, Array, Array]:

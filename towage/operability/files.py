@@ -41,7 +41,8 @@ def _cell_rows(done: Done) -> Iterable[Sequence[object]]:
     known = linear.criteria if linear else ()
     yield (
         "heading [deg]", "Hs [m]", "Tp [s]", f"{plan.scatter.kind} of the diagram [s]", "share", "word", "sure", "reason",
-        "smallest margin", "margin of", *heads, *(f"{c.text}: linear {part}" for c in known for part in ("most probable", "quantile")),
+        "smallest margin", "margin of", *heads,
+        *(f"{c.text}: linear {part}" for c in known for part in ("most probable", "quantile")),
     )  # fmt: skip
     none = [math.nan] * len(heads)
     for cell in one.cells:
@@ -125,7 +126,7 @@ def _plain(value: Any) -> Any:
 
 def nearest(one: Outcome, most: int) -> list[tuple[Cell, int]]:
     """Cells whose fitted quantile is nearest to a limit, and the criterion: where the answer hangs on the numbers."""
-    near = []
+    near: list[tuple[float, float, int, Cell, int]] = []
     for cell in one.cells:
         if one.plan.run[cell.heading] != cell.heading:
             continue

@@ -2,10 +2,10 @@
 
 A criterion holds in a cell if the extreme that is not passed with the probability asked for (90 %) keeps to its limit; the cell
 holds if all criteria do. It is **sure** if no limit lies inside a confidence interval. A cell counts as operable only if its
-premises hold: no margin of a unit that decides was negative in any of its runs; a margin that is a criterion decides as one. What is
-`invalid` or `not done` is told as a share of its own, never taken for either side.
+premises hold: no margin of a unit that decides was negative in any of its runs; a margin that is a criterion decides as one. What
+is `invalid` or `not done` is told as a share of its own, never taken for either side.
 
-    limit of Hs: the lowest height at which a criterion no longer holds, on straight lines between quantiles of neighbouring heights
+    limit of Hs: the lowest height at which a criterion no longer holds, on straight lines between quantiles of two heights
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ class Limit(NamedTuple):
 
 
 class Uptime(NamedTuple):
-    """Shares of the time: operable (``holds``), of which ``sure``; ``open``: cells of either word with a limit inside a confidence
-    interval that would be operable at its other end; ``invalid`` and ``not_done`` are counted on no side."""
+    """Shares of the time: operable (``holds``), of which ``sure``; ``open``: cells that fail and would be operable
+    at the other end of a confidence interval; ``invalid`` and ``not_done`` are counted on no side."""
 
     holds: float
     sure: float
@@ -127,16 +127,18 @@ class Outcome:
         return found
 
     def _limit(self, column: Sequence[Cell]) -> Limit:
-        heights, before = self.plan.scatter.heights, None
+        heights = self.plan.scatter.heights
+        before: Cell | None = None
         for cell in column:
             place = (cell.heading, cell.period)
             last = float(heights[before.height]) if before else math.nan
             if cell.word in (INVALID, NOT_DONE):
                 return Limit(*place, last, "premises", cell.reason)
+            if cell.word == FAILS and before:
+                height, which = min(self._crossing(before, cell, k) for k in range(len(self.criteria)))
+                return Limit(*place, height, "crossing", self.criteria[which].text)
             if cell.word == FAILS:
-                crossings = [self._crossing(before, cell, k) for k in range(len(self.criteria))] if before else []
-                height, which = min(crossings, default=(float(heights[cell.height]), _worst(self.criteria, cell)))
-                return Limit(*place, height, "crossing" if before else "below", self.criteria[which].text)
+                return Limit(*place, float(heights[cell.height]), "below", _worst(self.criteria, cell).text)
             before = cell
         return Limit(column[-1].heading, column[-1].period, float(heights[column[-1].height]), "above", "")
 
@@ -150,10 +152,10 @@ class Outcome:
         return low + (high - low) * (a / (a - b) if a != b else 0.0), k
 
 
-def _worst(criteria: Sequence[Criterion], cell: Cell) -> int:
+def _worst(criteria: Sequence[Criterion], cell: Cell) -> Criterion:
     """The criterion that is passed with the largest probability."""
     passed = [extreme.exceedance for extreme in cell.extremes]
-    return passed.index(max(passed)) if criteria else 0
+    return criteria[passed.index(max(passed))]
 
 
 def outcome(

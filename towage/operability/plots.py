@@ -9,6 +9,7 @@ import numpy as np
 from towage.operability.outcome import FAILS, HOLDS, INVALID, Limit, Outcome, Uptime
 from towage.report.plots import BLUE, GREEN, GREY, RED
 from towage.report.svg import canvas
+from towage.result.result import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,10 +50,10 @@ def _curve(axis: Axes, one: Outcome, found: list[Limit], colour: object, label: 
     peaks = one.plan.peaks
     known = [lim for lim in found if lim.height == lim.height]
     x, y = [float(peaks[lim.period]) for lim in known], [lim.height for lim in known]
-    axis.plot(x, y, color=colour, label=label, lw=1.4)  # type: ignore[arg-type]
+    axis.plot(x, y, color=colour, label=label, lw=1.4)
     for kind, mark in (("crossing", "o"), ("below", "v"), ("above", "^"), ("premises", "x")):
         at = [k for k, lim in enumerate(known) if lim.kind == kind]
-        axis.plot([x[k] for k in at], [y[k] for k in at], mark, color=colour, ms=4)  # type: ignore[arg-type]
+        axis.plot([x[k] for k in at], [y[k] for k in at], mark, color=colour, ms=4)
 
 
 def _shares(axis: Axes, one: Outcome) -> None:
@@ -107,9 +108,9 @@ def bars(names: list[str], uptimes: list[Uptime], title: str, key: str) -> str:
     return svg[0]
 
 
-def gumbel(one: Outcome, values: np.ndarray, k: int, fit: tuple[float, float], key: str) -> str:  # type: ignore[type-arg]
-    """The extremes of one cell for criterion ``k`` on Gumbel's paper, with the fitted line (``fit``: mu, beta of what rises) and the
-    limit."""
+def gumbel(one: Outcome, values: Array, k: int, fit: tuple[float, float], key: str) -> str:
+    """The extremes of one cell for criterion ``k`` on Gumbel's paper, with the fitted line (``fit``: mu, beta of what rises) and
+    the limit."""
     criterion = one.criteria[k]
     sign = 1.0 if criterion.upper else -1.0
     ordered = np.sort(sign * values)

@@ -69,8 +69,8 @@ def _words(done: Done) -> list[str]:
     samples = sum(extreme.kind == "sample" for cell in one.cells for extreme in cell.extremes)
     if samples:
         said.append(
-            f"in {samples} cases several runs of a cell have one and the same extreme, as at a bound; there quantiles are those of the "
-            "sample, and a probability below one in so many runs is not resolved"
+            f"in {samples} cases several runs of a cell have one and the same extreme, as at a bound; there quantiles are those "
+            "of the sample, and a probability below one in so many runs is not resolved"
         )
     linear = done.screening.outcome
     if linear:
@@ -82,7 +82,8 @@ def _words(done: Done) -> list[str]:
 def write_report(done: Done, path: Path) -> Path:
     """Writes the report to ``path`` and returns it. Raises `TowageError`."""
     one = done.outcome
-    subtitle = f"{'; '.join(c.text for c in one.criteria)}, each with probability {one.probability:g} in {one.plan.length / 3600.0:g} h"
+    criteria = "; ".join(c.text for c in one.criteria)
+    subtitle = f"{criteria}, each with probability {one.probability:g} in {one.plan.length / 3600.0:g} h"
     words = "".join(f"<p>{escape(text)}.</p>" for text in _words(done))
     body = (
         f"<section>{_facts(done)}{words}</section>\n<section>{''.join(_figures(done))}</section>\n"
@@ -136,8 +137,8 @@ def _figures(done: Done) -> list[Markup]:
     own = [k for k, run in enumerate(plan.run) if run == k]
     worst = min(own, key=lambda k: by_heading[k].holds)
     caption = (
-        "Green holds, red fails, violet invalid, grey not done; framed: a limit lies inside the confidence interval. Numbers: share of "
-        "the time, per mille."
+        "Green holds, red fails, violet invalid, grey not done; framed: a limit lies inside the confidence interval. Numbers: "
+        "share of the time, per mille."
     )
     title = f"Cells at {plan.headings.degrees[worst]:g}°, the heading with the least operable time"
     drawn.append(figure(plots.words(one, worst, "wrd"), title, caption))
@@ -191,7 +192,8 @@ def _near_table(done: Done) -> Markup:
         e = cell.extremes[k]
         rows.append(
             (_place(one, cell), one.criteria[k].text, number(e.probable, 4), number(e.quantile, 4),
-             f"{number(e.low, 4)} to {number(e.high, 4)}", percent(e.exceedance), f"{percent(e.least)} to {percent(e.most)}", cell.word)
+             f"{number(e.low, 4)} to {number(e.high, 4)}", percent(e.exceedance),
+             f"{percent(e.least)} to {percent(e.most)}", cell.word)
         )  # fmt: skip
     head = ("Cell", "Criterion", "Most probable", f"Quantile {one.probability:g}", f"{percent(CONFIDENCE)} confidence",
             "Probability to pass", "confidence", "Word")  # fmt: skip

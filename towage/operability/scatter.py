@@ -6,8 +6,8 @@ r"""Scatter diagrams: how often a sea of some significant height and period occu
     1.5,             0,    29.3,  986.0
 
 Rows are classes of Hs, columns classes of Tp (peak period) or Tz (mean zero-upcrossing period), each named by its middle; heights
-in m or ft. Values are counts or probabilities, whose sum is taken for the whole. With months, a first column `month` has 1 to 12 or
-names of months, and the heights repeat in each; months weigh by their sums, as they were counted.
+in m or ft. Values are counts or probabilities, whose sum is taken for the whole. With months, a first column `month` has 1 to 12
+or names of months, and the heights repeat in each; months weigh by their sums, as they were counted.
 
 A mean period becomes a peak period by the spectrum, Tp = Tz sqrt(m2/m0) with moments over all frequencies, for m0 = omega_p = 1:
 1.408 for Bretschneider and Pierson-Moskowitz, 1.286 for JONSWAP with gamma = 3.3.
@@ -19,6 +19,7 @@ import calendar
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -170,7 +171,7 @@ def _number(text: str, where: str, low: float, high: float) -> float:
 
 
 def _rising(values: Sequence[float], what: str) -> None:
-    for before, after in zip(values, values[1:]):
+    for before, after in pairwise(values):
         if not after > before:
             raise Refused(f"{what}: {after:g} follows {before:g}; expected rising values")
 

@@ -12,11 +12,11 @@
 | w | frequency of encounter | rad/s |
 | t, n | length of the record, number of its zero upcrossings | s, - |
 
-Assumptions: (1) the line stays taut; (2) the line does not move the ship; (3) the drag is the linear one that takes the same power
-from a Gaussian motion (stochastic linearisation), so that its share of the peaks is too small; (4) peaks of a narrow band (Rayleigh).
+Assumptions: (1) the line stays taut; (2) the line does not move the ship; (3) the drag is the linear one that takes the same
+power from a Gaussian motion (stochastic linearisation), so that it is too small at the peaks; (4) peaks of a narrow band.
 
-It is made for a scene of ship_in_sea, spring_line and cradle, and for the ship's own motion; for any other criterion it says that
-it was not. Source: DNV-RP-H103 (2011), sections 5.3 and 2.2 (amplification of a lowered object, most probable largest of a response);
+It is made for a scene of ship_in_sea, spring_line and cradle, and for the ship's own motion; for any other criterion it says
+that it was not. Source: DNV-RP-H103 (2011), section 5 (amplification of a lowered object) and most probable largest responses;
 stochastic linearisation: T. K. Caughey, J. Acoust. Soc. Am. 35 (1963) 1706-1711.
 """
 

@@ -43,7 +43,7 @@ SEEDS, LENGTH, TRANSIENT, PROBABILITY, HEADINGS = 20, 10800.0, 200.0, 0.9, ("12"
 
 @dataclass(frozen=True)
 class Done:
-    """A study that came to its end. ``hours``: simulated now, transients included, in ``elapsed`` s; ``notes``: how it was made."""
+    """A study that came to its end. ``hours``: simulated now, transients included, in ``elapsed`` s; ``notes``: how."""
 
     outcome: Outcome
     table: Table
@@ -158,14 +158,14 @@ class Study:
         """All that the rows depend on."""
         from towage.operability import ensembles
 
-        known = {"engine": self.engine, "length": self.cells.length, "transient": self.transient}
+        known: dict[str, Any] = {"engine": self.engine, "length": self.cells.length, "transient": self.transient}
         if self.engine == "ensemble":
             known |= {"step": self.step, "accuracy": ensembles.ACCURACY, "observed": self.names}
         return {**self.sweep.identity(), "study": known}
 
     def run(self, out: str | Path, resume: bool = False, workers: int | None = None, hear: Hear | None = None) -> Done:
-        """The study, by ``workers`` threads or processes (default: one a processor); its journal in ``out``, from which ``resume``
-        goes on. Raises what `Sweep.run` and `Ensemble` raise."""
+        """The study, by ``workers`` threads or processes (default: one a processor); its journal in ``out``, from which
+        ``resume`` goes on. Raises what `Sweep.run` and `Ensemble` raise."""
         place, threads = Path(out), workers or os.cpu_count() or 1
         place.mkdir(parents=True, exist_ok=True)
         begun = clock.monotonic()
@@ -215,9 +215,9 @@ class Study:
                         hear(each * (len(journal.rows) - count + len(todo)), each * len(todo), failed)
             table = Table.of(self.scene.title, self.design, journal.rows, self.sweep.measures())
         note = (
-            f"computed as one ensemble in compiled code, extremes of outputs every {self.step:g} s; {ensembles.SAMPLE} runs, drawn at "
-            f"random, were computed again by the FMU path over {ensembles.SAMPLED:g} s and differ by at most {differs:.1e} of a "
-            "variable's largest value. Comparisons with a second run (checks sdof and wire, coupling errors) are not made "
+            f"computed as one ensemble in compiled code, extremes of outputs every {self.step:g} s; {ensembles.SAMPLE} runs, "
+            f"drawn at random, were computed again by the FMU path over {ensembles.SAMPLED:g} s and differ by at most "
+            f"{differs:.1e} of a variable's largest value. Comparisons with a second run (checks sdof and wire, coupling errors) are not made "
             "in an ensemble: run a cell near the limit by `towage run`"
         )
         return table, each * len(todo), note

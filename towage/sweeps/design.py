@@ -1,7 +1,8 @@
 """What a sweep varies: a grid over ranges, or a scrambled Sobol sequence in their box.
 
-A range is written "unit.parameter=A:B:N" (grid: N values from A to B, ends included), "unit.parameter=A,B,C" (grid: these
-values, in rising order) or "unit.parameter=A:B" (Sobol), its values as in a scene file: numbers, or texts with a unit. Keys of the scene, as coupling.step, can be varied too.
+A range is written "unit.parameter=A:B:N" (grid: N values from A to B, ends included), "unit.parameter=A,B,C" (grid: these values,
+taken in rising order) or "unit.parameter=A:B" (Sobol), its values as in a scene file: numbers, or texts with a unit. Keys of the
+scene, as coupling.step, can be varied too.
 
 Source of the sequence: S. Joe and F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008), as in scipy; scrambling after Owen.
 """
@@ -97,8 +98,8 @@ def design(
 
 
 def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Design:
-    """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT" or "=A,B,C"), the first target changing slowest. Raises `SceneError`
-    for a range that does not fit the scene."""
+    """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT" or "=A,B,C"), the first target changing slowest. Raises
+    `SceneError` for a range that does not fit the scene."""
     axes = _axes(scene, ranges, fmus)
     counts = []
     for axis in axes:
@@ -107,7 +108,9 @@ def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Desig
         counts.append(axis.vary.count)
     _refuse_too_many(math.prod(counts))
     columns = [
-        _checked(axis, np.array(axis.values) if axis.vary.listed else np.linspace(*axis.values, count))
+        _checked(
+            axis, np.array(axis.values) if axis.vary.listed else np.linspace(axis.values[0], axis.values[-1], count)
+        )
         for axis, count in zip(axes, counts)
     ]
     shape = tuple(counts)

@@ -115,7 +115,9 @@ def operability(table: Table, quantity: Quantity, key: str) -> str:
                   color=GREEN)  # fmt: skip
         if quantity.limit is not None:
             axis.axvline(quantity.limit * factor, color=RED, ls="--", lw=1.0)
-        axis.set(xlabel=label, ylabel=f"share of runs {'under' if quantity.upper else 'over'} it [%]", ylim=(0.0, 102.0))
+        axis.set(
+            xlabel=label, ylabel=f"share of runs {'under' if quantity.upper else 'over'} it [%]", ylim=(0.0, 102.0)
+        )
     return svg[0]
 
 

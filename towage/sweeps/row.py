@@ -45,7 +45,9 @@ def row(index: int, result: Result, resolved: ResolvedScene, since: float = 0.0)
     if result.status == "failed":
         return Row(index, "failed", message=result.message)
     words: dict[str, str] = {item.name: item.word for item in result.verdict.items}
-    return Row(index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved, since), words=words)
+    return Row(
+        index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved, since), words=words
+    )
 
 
 def _measures(result: Result, resolved: ResolvedScene, since: float) -> dict[str, float]:
