@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import json
 import math
 from pathlib import Path
@@ -57,10 +58,10 @@ def test_months_and_feet() -> None:
 def test_peak_periods() -> None:
     """Closed form for Bretschneider; moments of JONSWAP by a rule of its own."""
     assert peak_over_mean(1.0) == pytest.approx(math.sqrt(math.sqrt(math.pi * 1.25)), rel=1e-12)
-    x = np.geomspace(0.2, 2000.0, 400_000)
+    x = np.geomspace(0.2, 2000.0, 40_000)
     b = np.array([waves.shape(v, 3.3) for v in x])
     assert peak_over_mean(3.3) == pytest.approx(
-        math.sqrt(np.trapezoid(x**2 * b, x) / np.trapezoid(b, x)), rel=2e-6
+        math.sqrt(np.trapezoid(x**2 * b, x) / np.trapezoid(b, x)), rel=1e-5
     )
 
 
@@ -69,7 +70,7 @@ def test_peak_periods() -> None:
     [
         ("Hs [m] \\ Tp [s], 8", "expected a line"),
         ("height, 8\n1,1", "line 1: expected 'Hs [m] \\ Tp [s]'"),
-        ("Hs [m] \\ Te [s], 8\n1,1", "got 'Hs [m] \\ Te [s]'"),
+        ("Hs [m] \\ Te [s], 8\n1,1", "at the head of the heights"),
         ("Hs [m] \\ Tp [Hz], 8\n1,1", "periods in Hz"),
         ("Hs [s] \\ Tp [s], 8\n1,1", "expected [m] or [ft]"),
         ("Hs [m] \\ Tp [s], 8, 7\n1,1,1", "7 follows 8"),
@@ -185,8 +186,11 @@ def table(one: Cells, taut: dict[tuple[int, float, float], float], lost: int = -
     rows = {}
     for k, (height, period, direction, _) in enumerate(design.points.tolist()):
         heading = round(math.degrees(direction))
-        near = taut.get((heading, height, period), 0.5) - 0.01 * math.log(-math.log((k % one.seeds + 0.6) / (one.seeds + 0.2)))
-        measures = {"margin:line.margin_taut": -(-near), "margin:ship.margin_response": -0.2 if period > 10 and heading == 90 else 1.0}
+        spread = -0.01 * math.log(-math.log((k % one.seeds + 0.6) / (one.seeds + 0.2)))
+        measures = {
+            "margin:line.margin_taut": taut.get((heading, height, period), 0.5) + spread,
+            "margin:ship.margin_response": -0.2 if period > 10 and heading == 90 else 1.0,
+        }
         rows[k] = Row(k, "done", measures=measures) if k != lost else Row(k, "failed", message="a reason")
     return Table.of("t", design, rows, {})
 
@@ -265,9 +269,9 @@ def test_screening_of_the_ships_own_motion_is_rayleighs() -> None:
     from towage.models.sea.heave_response import Hull, heave_moments
 
     scene = Scene.load("cage_300m").setting({"ship.point_x": 0.0, "ship.point_z": 0.0}, "test")
-    files = {name: unit for name, unit in scene.to_dict()["units"].items()}
-    files["ship"].pop("files")
-    bare = Scene.from_dict({**scene.to_dict(), "units": files})
+    tables = scene.to_dict()
+    tables["units"]["ship"].pop("files")
+    bare = Scene.from_dict(tables)
     resolved = described(bare, locator())
     one = cells(resolved, parsed("Hs [m] \\ Tp [s], 12\n3, 1\n"), headings(["180"]), 5, 1, 10800.0)
     motion = Criterion("ship.heave", True, 10.0, "m")
@@ -299,7 +303,8 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return [
         "operability", "cage_300m", "--criterion", "line.margin_taut > 0", "--criterion", "line.tension < 190 kN",
         "--scatter", str(tmp_path / "site.csv"), "--headings", "150,210,180", "--seeds", "5", "--length", "1 min",
-        "--transient", "40 s", "--set", "ship.components=10", "--progress", "none", "--workers", "1",
+        "--transient", "40 s", "--set", "ship.components=10",
+        "--set", "checks.sdof.settle=40 s", "--progress", "none", "--workers", "1",
     ]  # fmt: skip
 
 
@@ -328,7 +333,7 @@ def test_a_study_that_was_killed_goes_on_to_the_same_bits(
     assert (part / "cells.csv").read_bytes() == (whole / "cells.csv").read_bytes()
     assert (part / "limits.csv").read_bytes() == (whole / "limits.csv").read_bytes()
     page = (part / "report.html").read_text()
-    assert all(title in page for title in ("Limits of the significant height", "By heading", "Cells nearest to a limit"))
+    assert all(title in page for title in ("Limits of the significant height", "By heading", "Cells on which the answer hangs"))
     assert cli.main([*small[:-4], "--out", str(part), "--resume", "--set", "cage.mass=19 t"]) == 2
     assert "of another sweep" in capsys.readouterr().err
 
@@ -372,3 +377,17 @@ def test_runs_and_ensemble_agree(tmp_path: Path) -> None:
         assert a.quantile == pytest.approx(b.quantile, rel=1e-2)
     assert "supervised" in " ".join(found[1].notes)
     assert document(found[1])["runs"] == 5
+
+
+@pytest.mark.slow
+def test_fitted_maxima_against_a_thousand_hours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """340 records of 3 h in one sea, seventeen fits of twenty. An interval holds the truth with 0.9, so that 12 of 17 or more do
+    with 0.99; the seeds are fixed. A linear response has Rayleigh's maxima, within a few per cent that 100 components cost."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "benchmarks"))
+    told = importlib.import_module("extremes").told(1000.0)
+    for one in told:
+        assert one.groups == 17
+        assert one.holding >= 12, one
+        assert one.holding_passed >= 12, one
+    heave = told[0]
+    assert heave.quantile == pytest.approx(heave.linear, rel=0.04)

@@ -82,7 +82,8 @@ def document(done: Done) -> dict[str, Any]:
         "seeds": plan.seeds,
         "cells": len(one.cells),
         "runs": len(done.table.status),
-        "runs_not_done": int((~done.table.done).sum()),
+        "runs_not_done": done.lost,
+        "runs_spared": done.table.status.count("spared"),
         "simulated_hours": done.hours,
         "elapsed_s": done.elapsed,
         "hours_a_second": done.rate,
@@ -125,13 +126,15 @@ def _plain(value: Any) -> Any:
 
 
 def nearest(one: Outcome, most: int) -> list[tuple[Cell, int]]:
-    """Cells whose fitted quantile is nearest to a limit, and the criterion: where the answer hangs on the numbers."""
+    """Cells and criteria with the limit inside the confidence interval, those with most of the time first, then those whose
+    quantile is nearest to the limit: where the answer hangs on the numbers."""
     near: list[tuple[float, float, int, Cell, int]] = []
     for cell in one.cells:
         if one.plan.run[cell.heading] != cell.heading:
             continue
         for k, (criterion, extreme) in enumerate(zip(one.criteria, cell.extremes)):
-            off = abs(extreme.quantile - criterion.limit) / (abs(criterion.limit) or 1.0)
+            inside = extreme.low <= criterion.limit <= extreme.high and cell.share > 0.0
+            off = 0.0 if inside else abs(extreme.quantile - criterion.limit) / (abs(criterion.limit) or 1.0)
             near.append((off, -cell.share, len(near), cell, k))
     return [(cell, k) for *_, cell, k in sorted(near)[:most]]
 

@@ -187,31 +187,32 @@ def _cell(
     heading, height, period = plan.places[k].tolist()
     runs = slice(k * plan.seeds, (k + 1) * plan.seeds)
     place = (heading, height, period, float(plan.scatter.share[height, period]))
-    done = table.done[runs]
-    if not done.all() or plan.seeds < FEWEST:
-        lost = int((~done).sum())
-        message = next((text for text in table.message[runs] if text), "")
-        reason = f"{lost} of {plan.seeds} runs were not done: {message}" if lost else f"fewer than {FEWEST} seeds"
-        return Cell(*place, NOT_DONE, True, reason, (), math.nan, "")
-    smallest = {name: float(values[runs].min()) for name, values in margins.items()}
+    kept = [n for n in range(runs.start, runs.stop) if table.status[n] != "spared"]
+    lost = [n for n in kept if table.status[n] != "done"]
+    if lost or plan.seeds < FEWEST:
+        said = f"{len(lost)} of {plan.seeds} runs were not done: {table.message[lost[0]]}" if lost else ""
+        return Cell(*place, NOT_DONE, True, said or f"fewer than {FEWEST} seeds", (), math.nan, "")
+    smallest = {name: float(values[kept].min()) for name, values in margins.items()}
     worst = min(smallest, key=lambda name: smallest[name], default="")
     margin = smallest.get(worst, math.nan)
     extremes = tuple(
-        of_maxima(table.measures[one.measure(table.measures)][runs], one.limit, one.upper, probability)
+        of_maxima(table.measures[one.measure(table.measures)][kept], one.limit, one.upper, probability)
         for one in criteria
     )
     doubts = [name for name, words in table.words.items() if name != PREMISES and INVALID in words[runs]]
     if margin < 0.0 or doubts:
         reason = f"{worst} = {margin:.3g}" if margin < 0.0 else f"{', '.join(doubts)} invalid in a run"
         return Cell(*place, INVALID, True, reason, extremes, margin, worst)
-    passed = [one.text for one, extreme in zip(criteria, extremes) if not one.holds(extreme.quantile)]
+    failing = [not one.holds(extreme.quantile) for one, extreme in zip(criteria, extremes)]
+    settled = [not any(map(one.holds, table.measures[one.measure(table.measures)][kept])) for one in criteria]
     ends = [all(one.holds(x) == one.holds(e.quantile) for x in (e.low, e.high)) for one, e in zip(criteria, extremes)]
-    # sure to fail if one criterion is; sure to hold if all are
-    failing = [sure for sure, one, e in zip(ends, criteria, extremes) if not one.holds(e.quantile)]
+    # sure to fail if one criterion is, by the interval or since all runs pass its limit (`early`); sure to hold if all are
+    fails = [sure or all_pass for sure, all_pass, fail in zip(ends, settled, failing) if fail or all_pass]
+    passed = [one.text for one, fail, all_pass in zip(criteria, failing, settled) if fail or all_pass]
     return Cell(
         *place,
         FAILS if passed else HOLDS,
-        any(failing) if passed else all(ends),
+        any(fails) if passed else all(ends),
         "; ".join(passed),
         extremes,
         margin,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from towage.operability.outcome import FAILS, HOLDS, INVALID, Limit, Outcome, Uptime
+from towage.report.format import scale
 from towage.report.plots import BLUE, GREEN, GREY, RED
 from towage.report.svg import canvas
 from towage.result.result import Array
@@ -119,10 +120,11 @@ def gumbel(one: Outcome, values: Array, k: int, fit: tuple[float, float], key: s
     wanted = -np.log(-np.log(one.probability))
     line = np.array([places[0], max(places[-1], wanted) + 0.5])
     with canvas(f"Extremes of {criterion.name}", key, _FULL, [3.2]) as ((axis,), svg):
-        axis.plot(places, sign * ordered, "o", color=BLUE, ms=4, label="runs")
-        axis.plot(line, sign * (fit[0] + fit[1] * line), color=GREEN, label="fitted")
-        axis.axhline(criterion.limit, color=RED, ls="--", lw=1.0, label="limit")
+        factor, unit = scale(criterion.unit, float(np.abs(ordered).max()))
+        axis.plot(places, factor * sign * ordered, "o", color=BLUE, ms=4, label="runs")
+        axis.plot(line, factor * sign * (fit[0] + fit[1] * line), color=GREEN, label="fitted")
+        axis.axhline(factor * criterion.limit, color=RED, ls="--", lw=1.0, label="limit")
         axis.axvline(wanted, color=GREY, ls=":", lw=1.0, label=f"probability {one.probability:g}")
-        axis.set(xlabel="-ln(-ln P)", ylabel=f"{criterion.name} [{criterion.unit or '-'}]")
+        axis.set(xlabel="-ln(-ln P)", ylabel=f"{criterion.name} [{unit or '-'}]")
         axis.legend(loc="best")
     return svg[0]

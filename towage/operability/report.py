@@ -13,7 +13,7 @@ from towage.operability.extremes import CONFIDENCE, REJECTED, fitted
 from towage.operability.files import fits_rejected, limit_text, nearest, shares_text
 from towage.operability.outcome import Cell, Outcome
 from towage.operability.study import Done
-from towage.report.format import Markup, details, figure, number, page, percent
+from towage.report.format import Markup, details, figure, number, page, percent, quantity
 from towage.report.format import table as html_table
 
 NEAR = 12
@@ -25,8 +25,8 @@ def text_summary(done: Done) -> str:
     one = done.outcome
     whole, own = one.whole, one.plan.headings
     lines = [
-        f"{done.table.title}: {len(one.cells)} cells, {len(done.table.status)} runs of {one.plan.length / 3600.0:g} h, "
-        f"{int((~done.table.done).sum())} not done",
+        f"{done.table.title}: {len(one.cells)} cells, {len(done.table.status)} runs of {one.plan.length / 3600.0:.3g} h, "
+        f"{done.lost} not done",
         f"  operable        {shares_text(whole)} of the time",
     ]
     for k, degrees in enumerate(own.degrees):
@@ -83,7 +83,7 @@ def write_report(done: Done, path: Path) -> Path:
     """Writes the report to ``path`` and returns it. Raises `TowageError`."""
     one = done.outcome
     criteria = "; ".join(c.text for c in one.criteria)
-    subtitle = f"{criteria}, each with probability {one.probability:g} in {one.plan.length / 3600.0:g} h"
+    subtitle = f"{criteria}, each with probability {one.probability:g} in {one.plan.length / 3600.0:.3g} h"
     words = "".join(f"<p>{escape(text)}.</p>" for text in _words(done))
     body = (
         f"<section>{_facts(done)}{words}</section>\n<section>{''.join(_figures(done))}</section>\n"
@@ -106,8 +106,8 @@ def _facts(done: Done) -> str:
             f"{percent(whole.sure)} to {percent(whole.most)} by {percent(CONFIDENCE)} confidence",
         ),
         ("Invalid", percent(whole.invalid), "outside the premises"),
-        ("Not done", percent(whole.not_done), f"{int((~done.table.done).sum())} runs"),
-        ("Cells", str(len(one.cells)), f"{one.plan.seeds} seeds of {one.plan.length / 3600.0:g} h each"),
+        ("Not done", percent(whole.not_done), f"{done.lost} runs"),
+        ("Cells", str(len(one.cells)), f"{one.plan.seeds} seeds of {one.plan.length / 3600.0:.3g} h each"),
     ]
     if done.screening.outcome:
         facts.append(("Linear response", percent(done.screening.outcome.whole.holds), "simplified method"))
@@ -160,7 +160,7 @@ def _gumbel(done: Done) -> Markup | None:
         row * one.plan.seeds : (row + 1) * one.plan.seeds
     ]
     mu, beta, _ = fitted((values if criterion.upper else -values)[None, :])
-    title = f"Extremes in the cell nearest to a limit: {_place(one, cell)}"
+    title = f"Extremes in the cell with most of the time on a limit: {_place(one, cell)}"
     drawn = plots.gumbel(one, np.asarray(values), k, (float(mu[0]), float(beta[0])), "gum")
     return figure(
         drawn, title, f"Gumbel's paper: its distribution is a straight line. Fit: {number(cell.extremes[k].fit)}."
@@ -189,15 +189,16 @@ def _near_table(done: Done) -> Markup:
     one = done.outcome
     rows = []
     for cell, k in nearest(one, NEAR):
-        e = cell.extremes[k]
+        e, criterion = cell.extremes[k], one.criteria[k]
+        unit = "" if criterion.unit == "1" else criterion.unit
+        probable, value, low, high = (quantity(v, unit, 4) for v in (e.probable, e.quantile, e.low, e.high))
         rows.append(
-            (_place(one, cell), one.criteria[k].text, number(e.probable, 4), number(e.quantile, 4),
-             f"{number(e.low, 4)} to {number(e.high, 4)}", percent(e.exceedance),
-             f"{percent(e.least)} to {percent(e.most)}", cell.word)
+            (_place(one, cell), percent(cell.share * one.plan.headings.shares[cell.heading]), criterion.text, probable,
+             value, f"{low} to {high}", percent(e.exceedance), f"{percent(e.least)} to {percent(e.most)}", cell.word)
         )  # fmt: skip
-    head = ("Cell", "Criterion", "Most probable", f"Quantile {one.probability:g}", f"{percent(CONFIDENCE)} confidence",
+    head = ("Cell", "Share of the time", "Criterion", "Most probable", f"Quantile {one.probability:g}", f"{percent(CONFIDENCE)} confidence",
             "Probability to pass", "confidence", "Word")  # fmt: skip
-    return Markup(details("Cells nearest to a limit", html_table(head, rows, (2, 3)), True))
+    return Markup(details("Cells on which the answer hangs", html_table(head, rows, (1, 3, 4)), True))
 
 
 def _notes(done: Done) -> Markup:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from towage.errors import SceneError
+from towage.operability import early
 from towage.operability import scatter as diagrams
 from towage.operability.cells import Cells, cells, headings
 from towage.operability.extremes import FEWEST
@@ -31,6 +32,7 @@ from towage.scene.select import one_case
 from towage.sweeps.criteria import Criterion, criterion
 from towage.sweeps.design import Design
 from towage.sweeps.journal import Journal
+from towage.sweeps.row import Row
 from towage.sweeps.sweep import JOURNAL, Sweep
 from towage.sweeps.table import Table
 from towage.units.store import locator
@@ -38,6 +40,8 @@ from towage.units.store import locator
 Engine = Literal["auto", "ensemble", "runs"]
 Hear = Callable[[float, float, int], None]
 """Told (hours simulated now, hours to do now, runs of the whole study that were not done)."""
+BY_RUNS = "by supervised runs of the master"
+SPARED = "the cell fails for certain"
 SEEDS, LENGTH, TRANSIENT, PROBABILITY, HEADINGS = 20, 10800.0, 200.0, 0.9, ("12",)
 
 
@@ -53,6 +57,11 @@ class Done:
     notes: tuple[str, ...]
 
     @property
+    def lost(self) -> int:
+        """Runs that were not done and not spared."""
+        return sum(status not in ("done", "spared") for status in self.table.status)
+
+    @property
     def rate(self) -> float:
         """Simulated hours a second of this call; NaN where nothing was left to do."""
         return self.hours / self.elapsed if self.hours else float("nan")
@@ -61,7 +70,8 @@ class Done:
 @dataclass(frozen=True)
 class Study:
     """A scene without cases and what is asked of it. ``length`` of a record and ``transient`` before it, s. ``probability`` with
-    which an extreme is not passed. ``engine``: "ensemble" or "runs". ``notes``: what was decided."""
+    which an extreme is not passed. ``engine``: "ensemble" or "runs". ``early``: runs are spared in
+    cells that fail for certain (`towage.operability.early`). ``notes``: what was decided."""
 
     sweep: Sweep
     cells: Cells
@@ -70,6 +80,7 @@ class Study:
     probability: float
     engine: Engine
     step: float
+    early: bool
     notes: tuple[str, ...]
 
     @classmethod
@@ -87,12 +98,13 @@ class Study:
         transient: float = TRANSIENT,
         probability: float = PROBABILITY,
         engine: Engine = "auto",
+        decide_early: bool = False,
         fmus: Path | None = None,
         flavour: Flavour = "auto",
         timeout: float = 60.0,
     ) -> Study:
         """The study of a scene. ``criteria`` as in `towage.sweeps.criteria`, at least one; ``scatter``: a file or the name of a
-        shipped diagram; ``directions`` as in `cells.headings`. Raises `SceneError` and `FileError`."""
+        shipped diagram; ``directions`` as in `cells.headings`; ``decide_early`` as in `early`. Raises `SceneError` and `FileError`."""
         if not criteria:
             raise SceneError("no criterion: give at least one, as 'line.margin_taut > 0'", key="--criterion")
         if seeds < FEWEST:
@@ -109,8 +121,11 @@ class Study:
         sweep = Sweep(changed, plan.design(), fmus, flavour, timeout, since=transient)
         recorded = sweep.measures()
         wanted = tuple(criterion(text, recorded, "--criterion") for text in criteria)
-        made = cls(sweep, plan, wanted, transient, probability, engine, 0.0, (diagram_note(plan),))
-        return made if engine == "runs" else made._compiled()
+        made = cls(sweep, plan, wanted, transient, probability, engine, 0.0, decide_early, (diagram_note(plan),))
+        made = made if engine == "runs" else made._compiled()
+        if decide_early and made.engine == "runs":
+            raise SceneError("only an ensemble decides early: leave this out", key="--decide-early")
+        return made
 
     def _compiled(self) -> Study:
         """By an ensemble, if the scene composes; headings are mirrored where that changes nothing."""
@@ -121,7 +136,7 @@ class Study:
         except (SceneError, ImportError) as error:
             if self.engine == "ensemble":
                 raise
-            note = f"by supervised runs of the master, as the scene is not computed as an ensemble: {error}"
+            note = f"the scene is not computed as an ensemble: {error}"
             return replace(self, engine="runs", notes=(*self.notes, note))
         plan, notes = self.cells, [*self.notes]
         resolved = described(self.scene, locator(self.sweep.fmus))
@@ -180,16 +195,13 @@ class Study:
                     hear(ended * each, total * each, failed)
 
             table = self.sweep.run(place, resume, threads, None, heard)
-            notes, hours = [*self.notes], counted[0] * each
-            if self.engine == "runs" and not any("supervised" in note for note in notes):
-                notes.append("by supervised runs of the master")
+            hours, said = counted[0] * each, BY_RUNS
         else:
             table, hours, said = self._by_ensemble(place, resume, threads, each, hear)
-            notes = [*self.notes, said]
         elapsed = clock.monotonic() - begun
         found = outcome(self.cells, table, self.criteria, self.probability, self.scene.checks.report_only)
         linear = screened(described(self.scene, locator(self.sweep.fmus)), self.cells, self.criteria, self.probability)
-        return Done(found, table, linear, hours, elapsed, tuple(notes))
+        return Done(found, table, linear, hours, elapsed, (*self.notes, said))
 
     def _by_ensemble(
         self, out: Path, resume: bool, workers: int, each: float, hear: Hear | None
@@ -201,26 +213,44 @@ class Study:
         ensemble = ensembles.ensemble_of(self.scene, self.cells, self.names)
         times = ensembles.times_of(self.cells.length, self.transient, self.step)
         with Journal(out / JOURNAL, self.identity(), resume, count) as journal:
-            todo = [k for k in range(count) if k not in journal.rows]
+            known = len(journal.rows)
             differs = ensembles.checked(ensemble, self.step)
-            failed = sum(row.status != "done" for row in journal.rows.values())
-            with closing(ensembles.rows(ensemble, todo, times, workers)) as batches:  # type: ignore[type-var]
-                for batch in batches:
-                    stop.look()
-                    for row in batch or ():
-                        journal.append(row)
-                        failed += row.status != "done"
-                    journal.sync()
-                    if hear:
-                        hear(each * (len(journal.rows) - count + len(todo)), each * len(todo), failed)
-            table = Table.of(self.scene.title, self.design, journal.rows, self.sweep.measures())
+
+            def do(wanted: Sequence[int], total: int) -> None:
+                """Do what is missing of some runs, of which ``total`` are expected in the end."""
+                todo = [k for k in wanted if k not in journal.rows]
+                with closing(ensembles.rows(ensemble, todo, times, workers)) as batches:  # type: ignore[type-var]
+                    for batch in batches:
+                        stop.look()
+                        for row in batch or ():
+                            journal.append(row)
+                        journal.sync()
+                        if hear:
+                            lost = sum(row.status != "done" for row in journal.rows.values())
+                            hear(each * (len(journal.rows) - known), each * (total - known), lost)
+
+            spared: set[int] = set()
+            if self.early:
+                do(early.first(self.cells), count)
+                spared = early.settled(self.cells, journal.rows, self.criteria, self.probability) - set(journal.rows)
+            do([k for k in range(count) if k not in spared], count - len(spared))
+            rows = {**journal.rows, **{k: Row(k, "spared", message=SPARED) for k in spared}}
+            table = Table.of(self.scene.title, self.design, rows, self.sweep.measures())
+            hours = each * (len(journal.rows) - known)
         note = (
             f"computed as one ensemble in compiled code, extremes of outputs every {self.step:g} s; {ensembles.SAMPLE} runs, "
             f"drawn at random, were computed again by the FMU path over {ensembles.SAMPLED:g} s and differ by at most "
-            f"{differs:.1e} of a variable's largest value. Comparisons with a second run (checks sdof and wire, coupling errors) are not made "
-            "in an ensemble: run a cell near the limit by `towage run`"
+            f"{differs:.1e} of a variable's largest value. Comparisons with a second run (checks sdof and wire, coupling "
+            "errors) are not made in an ensemble: run a cell near the limit by `towage run`"
         )
-        return table, each * len(todo), note
+        return table, hours, f"{note}. {self._spared(len(spared))}" if spared else note
+
+    def _spared(self, count: int) -> str:
+        wrong = (1.0 - self.probability) ** FEWEST
+        return (
+            f"{count} of {len(self.design.points)} runs were spared (--decide-early): a cell fails whose first {FEWEST} runs all pass "
+            f"a limit, as one that holds would with a chance of at most {wrong:.0e}"
+        )
 
 
 def diagram_note(plan: Cells) -> str:

@@ -19,14 +19,15 @@ from towage.result.result import Result
 from towage.scene.resolve import ResolvedScene
 from towage.sweeps.attractor import repeats_after
 
-Status = Literal["done", "failed", "refused", "crashed", "hung", "defect"]
+Status = Literal["done", "failed", "refused", "crashed", "hung", "defect", "spared"]
 _COMPARISON = ("rms", "tension_rms", "amplitude", "phase", "peak_tension", "indicator", "bound", "estimate")
 
 
 @dataclass(frozen=True)
 class Row:
     """One run. ``status``: done; failed (a unit said so, or a value was not finite); refused (the values do not fit the
-    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``measures``: numbers
+    scene or the checks before the run); crashed or hung with its process; defect (of towage); spared (a study that
+    did without it). ``measures``: numbers
     by the names above, in the units of their variables. ``words``: those of the card's items, by their names. ``note``: the
     stack or what was printed, for a reader; it goes to the journal only, because two crashes of one run need not print the
     same."""
