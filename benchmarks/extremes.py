@@ -35,8 +35,9 @@ LOOKED_AT = (
 
 
 class Told(NamedTuple):
-    """Of one criterion: the quantile by all records, with its binomial interval; mean of the fits, how many of ``groups`` intervals
-    hold it, and the share of all records that pass the limit with how many intervals hold that; the linear response's quantile."""
+    """Of one criterion: the quantile by all records, with its binomial interval; mean of the fits, how many of ``groups``
+    intervals hold it; the share of all records that pass the limit, and how many intervals hold that; the linear response's
+    quantile."""
 
     name: str
     quantile: float

@@ -6,6 +6,7 @@ import csv
 import importlib
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from towage.models.sea import waves
 from towage.operability import ensembles
 from towage.operability.cells import Cells, cells, headings
 from towage.operability.extremes import CONFIDENCE, of_maxima
-from towage.operability.files import document
+from towage.operability.files import document, write
 from towage.operability.outcome import outcome
 from towage.operability.scatter import STANDARD, load, parsed, peak_over_mean
 from towage.operability.screening import screened
@@ -27,6 +28,7 @@ from towage.reading import Refused
 from towage.scene.resolve import described
 from towage.scene.scene import Scene
 from towage.sweeps.criteria import Criterion, criterion
+from towage.sweeps.journal import JournalError
 from towage.sweeps.row import Row
 from towage.sweeps.table import Table
 from towage.units.store import locator
@@ -290,7 +292,7 @@ def test_screening_of_the_ships_own_motion_is_rayleighs() -> None:
 
 @pytest.fixture
 def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """A command that simulates 16 cells of 5 seeds, a minute each; skips where there is nothing to compile with."""
+    """A command that simulates 8 cells of 6 seeds, a minute each; skips where there is nothing to compile with."""
     pytest.importorskip("casadi")
     try:
         compiler(host())
@@ -302,7 +304,7 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     (tmp_path / "site.csv").write_text(SMALL)
     return [
         "operability", "cage_300m", "--criterion", "line.margin_taut > 0", "--criterion", "line.tension < 190 kN",
-        "--scatter", str(tmp_path / "site.csv"), "--headings", "150,210,180", "--seeds", "5", "--length", "1 min",
+        "--scatter", str(tmp_path / "site.csv"), "--headings", "150,210,180", "--seeds", "6", "--length", "1 min",
         "--transient", "40 s", "--set", "ship.components=10",
         "--set", "checks.sdof.settle=40 s", "--progress", "none", "--workers", "1",
     ]  # fmt: skip
@@ -314,28 +316,40 @@ def test_a_study_that_was_killed_goes_on_to_the_same_bits(
     whole, part = tmp_path / "whole", tmp_path / "part"
     assert cli.main([*small, "--out", str(whole), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert (told["cells"], told["runs"], told["runs_not_done"]) == (12, 40, 0)  # 210 deg takes the runs of 150 deg
+    assert (told["cells"], told["runs"], told["runs_not_done"]) == (12, 48, 0)  # 210 deg takes the runs of 150 deg
     assert 0.0 < told["uptime"]["holds"] < 1.0
     assert [h["heading_deg"] for h in told["by_heading"]] == [150.0, 210.0, 180.0]
     assert told["by_heading"][0]["holds"] == told["by_heading"][1]["holds"]
     assert any("mirrors" in note for note in told["notes"])
-    rows = list(csv.DictReader((whole / "cells.csv").open()))
+    rows = list(csv.DictReader((whole / "cells.csv").read_text().splitlines()))
     assert len(rows) == 12
     assert {row["word"] for row in rows} == {"holds", "fails"}
     assert sum(float(row["share"]) for row in rows) == pytest.approx(1.0)
+    page = (whole / "report.html").read_text()
+    assert all(title in page for title in ("Limits of the significant height", "By heading", "Cells on which the answer"))
 
+    scene = Scene.load("cage_300m").setting({"ship.components": 10, "checks.sdof.settle": 40.0}, "test")
+    study = Study.of(
+        scene, [small[3], small[5]], scatter=small[7], directions=[small[9]], seeds=6, length=60.0, transient=40.0
+    )
     part.mkdir()
     lines = (whole / "journal.jsonl").read_bytes().splitlines(keepends=True)
     (part / "journal.jsonl").write_bytes(b"".join(lines[:21]) + lines[21][:30])  # a kill tears a line
-    assert cli.main([*small, "--out", str(part)]) == 2
-    assert "--resume" in capsys.readouterr().err
-    assert cli.main([*small, "--out", str(part), "--resume"]) == 0
-    assert (part / "cells.csv").read_bytes() == (whole / "cells.csv").read_bytes()
-    assert (part / "limits.csv").read_bytes() == (whole / "limits.csv").read_bytes()
-    page = (part / "report.html").read_text()
-    assert all(title in page for title in ("Limits of the significant height", "By heading", "Cells on which the answer hangs"))
-    assert cli.main([*small[:-4], "--out", str(part), "--resume", "--set", "cage.mass=19 t"]) == 2
-    assert "of another sweep" in capsys.readouterr().err
+    with pytest.raises(JournalError, match="--resume"):
+        study.run(part)
+    heard: list[tuple[float, float, int]] = []
+    done = study.run(part, resume=True, workers=1, hear=lambda *now: heard.append(now))
+    write(done, part)
+    assert heard[-1][0] == pytest.approx(28 * 100.0 / 3600.0)  # the 20 runs of the journal are not done again
+    assert all((part / name).read_bytes() == (whole / name).read_bytes() for name in ("cells.csv", "limits.csv"))
+
+    spared = replace(study, early=True).run(tmp_path / "early", workers=1)
+    assert spared.lost == 0
+    assert 0 < spared.table.status.count("spared") < 12
+    for one, other in zip(done.outcome.cells, spared.outcome.cells):
+        assert one.word == other.word
+        assert other.sure or not one.sure or one.word == "holds"
+    assert "spared" in " ".join(spared.notes)
 
 
 @pytest.mark.parametrize(

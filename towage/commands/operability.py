@@ -103,7 +103,8 @@ def _study(arguments: argparse.Namespace) -> Study:
     return Study.of(
         scene, arguments.criterion, scatter=arguments.scatter, directions=arguments.headings or HEADINGS,
         seeds=arguments.seeds, first=arguments.first_seed, length=_time(arguments.length, "--length"),
-        transient=_time(arguments.transient, "--transient"), probability=arguments.quantile, engine=arguments.engine, decide_early=arguments.decide_early,
+        transient=_time(arguments.transient, "--transient"), probability=arguments.quantile,
+        engine=arguments.engine, decide_early=arguments.decide_early,
         fmus=arguments.fmus, flavour=arguments.flavour, timeout=arguments.timeout,
     )  # fmt: skip
 

@@ -2,9 +2,9 @@
 
 If the extreme of a record stayed within a limit with the probability q that is asked for, or a larger one, all of n independent
 records would pass the limit with a chance of at most (1 - q)^n. A cell whose first `FEWEST` runs all pass the limit of one
-criterion is therefore settled: it fails, and the chance that this is wrong is at most (1 - q)^n a criterion, 1e-5 for 90 % and five
-runs, whatever the distribution. Its other runs are spared; cells that hold, or nearly, get all of theirs. Nothing is concluded from one
-cell to another, and nothing from the linear response.
+criterion is therefore settled: it fails, and the chance that this is wrong is at most (1 - q)^n a criterion, 1e-5 for 90 % and
+five runs, whatever the distribution. Its other runs are spared; cells that hold, or nearly, get all of theirs. Nothing is
+concluded from one cell to another, and nothing from the linear response.
 """
 
 from __future__ import annotations

@@ -20,8 +20,8 @@ from towage.sweeps.workers import LOOK
 Array = NDArray[np.float64]
 ACCURACY = 1e-6
 """Relative error of a step: a thousandth of what differs from seed to seed costs nothing, as outputs are wanted often."""
-BATCH = 128
-"""Runs that a thread does before it reports."""
+BATCH = 32
+"""Runs that a thread does before it reports; a study that is interrupted waits for them."""
 POINTS = 40
 """Outputs in the shortest peak period, where the scene says no interval: between two of them a peak of that period is missed by
 at most 1 - cos(pi/40) = 0.3 % of its amplitude."""
@@ -66,19 +66,17 @@ def mirrored(ensemble: Ensemble, cells: Cells) -> bool:
     """Whether seas from port and from starboard do the same: motions of one height in all periods, one seed each, from every
     heading and from its mirror, are compared over `SAMPLED` s. Long-crested waves on a ship with a plane of symmetry that
     holds the point do; with spreading, phases differ and only statistics agree."""
-    count = len(cells.peaks)
-    height = np.full(2 * count, float(np.median(cells.scatter.heights)))
-    for angle in cells.headings.angles:
-        directions = np.repeat([angle, 2.0 * math.pi - angle], count)
-        seeds = np.full(2 * count, float(cells.first))
-        sea = (height, np.tile(cells.peaks, 2), directions, seeds)
-        names = [f"{cells.unit}.{name}" for name in (*SEA, "seed")]
-        pair = Ensemble(ensemble.scene, dict(zip(names, sea)), ensemble.observed)  # type: ignore[arg-type]
-        both = pair.run(np.arange(0.0, SAMPLED, 0.5), accuracy=ACCURACY, samples=0)
-        for values in (*both.low.values(), *both.high.values()):
-            one, other = values[:count], values[count:]
-            if not np.allclose(one, other, rtol=SAME, atol=SAME * float(np.abs(one).max()), equal_nan=True):
-                return False
+    height = float(np.median(cells.scatter.heights))
+    angles = np.array(cells.headings.angles)
+    pairs = np.stack([angles, 2.0 * math.pi - angles], axis=1).ravel()
+    sea = np.array([(height, peak, angle, float(cells.first)) for angle in pairs for peak in cells.peaks])
+    names = [f"{cells.unit}.{name}" for name in (*SEA, "seed")]
+    both = Ensemble(ensemble.scene, dict(zip(names, sea.T)), ensemble.observed)  # type: ignore[arg-type]
+    found = both.run(np.arange(0.0, SAMPLED, 0.5), accuracy=ACCURACY, samples=0)
+    for values in (*found.low.values(), *found.high.values()):
+        one, other = values.reshape(len(angles), 2, -1).transpose(1, 0, 2)
+        if not np.allclose(one, other, rtol=SAME, atol=SAME * float(np.abs(one).max()), equal_nan=True):
+            return False
     return True
 
 

@@ -156,9 +156,9 @@ def _gumbel(done: Done) -> Markup | None:
     cell, k = found
     criterion = one.criteria[k]
     row = one.plan.places.tolist().index([cell.heading, cell.height, cell.period])
-    values = done.table.measures[criterion.measure(done.table.measures)][
-        row * one.plan.seeds : (row + 1) * one.plan.seeds
-    ]
+    column = done.table.measures[criterion.measure(done.table.measures)]
+    values = column[row * one.plan.seeds : (row + 1) * one.plan.seeds]
+    values = values[np.isfinite(values)]  # without runs that were spared
     mu, beta, _ = fitted((values if criterion.upper else -values)[None, :])
     title = f"Extremes in the cell with most of the time on a limit: {_place(one, cell)}"
     drawn = plots.gumbel(one, np.asarray(values), k, (float(mu[0]), float(beta[0])), "gum")
@@ -196,8 +196,8 @@ def _near_table(done: Done) -> Markup:
             (_place(one, cell), percent(cell.share * one.plan.headings.shares[cell.heading]), criterion.text, probable,
              value, f"{low} to {high}", percent(e.exceedance), f"{percent(e.least)} to {percent(e.most)}", cell.word)
         )  # fmt: skip
-    head = ("Cell", "Share of the time", "Criterion", "Most probable", f"Quantile {one.probability:g}", f"{percent(CONFIDENCE)} confidence",
-            "Probability to pass", "confidence", "Word")  # fmt: skip
+    head = ("Cell", "Share of the time", "Criterion", "Most probable", f"Quantile {one.probability:g}",
+            f"{percent(CONFIDENCE)} confidence", "Probability to pass", "confidence", "Word")  # fmt: skip
     return Markup(details("Cells on which the answer hangs", html_table(head, rows, (1, 3, 4)), True))
 
 

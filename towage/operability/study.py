@@ -15,7 +15,9 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from towage.errors import SceneError
 from towage.operability import early
@@ -36,6 +38,9 @@ from towage.sweeps.row import Row
 from towage.sweeps.sweep import JOURNAL, Sweep
 from towage.sweeps.table import Table
 from towage.units.store import locator
+
+if TYPE_CHECKING:
+    from towage.ensemble.ensemble import Ensemble
 
 Engine = Literal["auto", "ensemble", "runs"]
 Hear = Callable[[float, float, int], None]
@@ -71,7 +76,8 @@ class Done:
 class Study:
     """A scene without cases and what is asked of it. ``length`` of a record and ``transient`` before it, s. ``probability`` with
     which an extreme is not passed. ``engine``: "ensemble" or "runs". ``early``: runs are spared in
-    cells that fail for certain (`towage.operability.early`). ``notes``: what was decided."""
+    cells that fail for certain (`towage.operability.early`). ``notes``: what was decided. ``ensemble``: its
+    runs, in their order."""
 
     sweep: Sweep
     cells: Cells
@@ -82,6 +88,7 @@ class Study:
     step: float
     early: bool
     notes: tuple[str, ...]
+    ensemble: Ensemble | None = None
 
     @classmethod
     def of(
@@ -104,7 +111,8 @@ class Study:
         timeout: float = 60.0,
     ) -> Study:
         """The study of a scene. ``criteria`` as in `towage.sweeps.criteria`, at least one; ``scatter``: a file or the name of a
-        shipped diagram; ``directions`` as in `cells.headings`; ``decide_early`` as in `early`. Raises `SceneError` and `FileError`."""
+        shipped diagram; ``directions`` as in `cells.headings`; ``decide_early`` as in `early`. Raises `SceneError` and
+        `FileError`."""
         if not criteria:
             raise SceneError("no criterion: give at least one, as 'line.margin_taut > 0'", key="--criterion")
         if seeds < FEWEST:
@@ -121,7 +129,8 @@ class Study:
         sweep = Sweep(changed, plan.design(), fmus, flavour, timeout, since=transient)
         recorded = sweep.measures()
         wanted = tuple(criterion(text, recorded, "--criterion") for text in criteria)
-        made = cls(sweep, plan, wanted, transient, probability, engine, 0.0, decide_early, (diagram_note(plan),))
+        noted = (diagram_note(plan),)
+        made = cls(sweep, plan, wanted, transient, probability, engine, 0.0, decide_early, noted)
         made = made if engine == "runs" else made._compiled()
         if decide_early and made.engine == "runs":
             raise SceneError("only an ensemble decides early: leave this out", key="--decide-early")
@@ -140,19 +149,20 @@ class Study:
             return replace(self, engine="runs", notes=(*self.notes, note))
         plan, notes = self.cells, [*self.notes]
         resolved = described(self.scene, locator(self.sweep.fmus))
-        paired = cells(
-            resolved, plan.scatter, plan.headings, plan.seeds, plan.first, plan.length, mirror=True
-        )  # fmt: skip
+        paired = cells(resolved, plan.scatter, plan.headings, plan.seeds, plan.first, plan.length, mirror=True)
         if paired.run != plan.run and mirrored(ensemble, plan):
             count = sum(run != k for k, run in enumerate(paired.run))
             notes.append(
                 f"{count} headings take the runs of their mirrors: in all periods the motions there were found to be the same"
             )
-            plan = paired
+            own = [k for k, run in enumerate(paired.run) if run == k]
+            kept = np.repeat(np.isin(plan.places[:, 0], own), plan.seeds)
+            plan, ensemble = paired, ensemble.part(np.flatnonzero(kept))
         sweep = replace(self.sweep, design=plan.design())
         return replace(
-            self, sweep=sweep, cells=plan, engine="ensemble", step=interval(self.scene, plan), notes=tuple(notes)
-        )
+            self, sweep=sweep, cells=plan, engine="ensemble", step=interval(self.scene, plan), notes=tuple(notes),
+            ensemble=ensemble,
+        )  # fmt: skip
 
     @property
     def scene(self) -> Scene:
@@ -210,7 +220,8 @@ class Study:
         from towage.operability import ensembles
 
         count = len(self.design.points)
-        ensemble = ensembles.ensemble_of(self.scene, self.cells, self.names)
+        ensemble = self.ensemble
+        assert ensemble
         times = ensembles.times_of(self.cells.length, self.transient, self.step)
         with Journal(out / JOURNAL, self.identity(), resume, count) as journal:
             known = len(journal.rows)
@@ -240,16 +251,16 @@ class Study:
         note = (
             f"computed as one ensemble in compiled code, extremes of outputs every {self.step:g} s; {ensembles.SAMPLE} runs, "
             f"drawn at random, were computed again by the FMU path over {ensembles.SAMPLED:g} s and differ by at most "
-            f"{differs:.1e} of a variable's largest value. Comparisons with a second run (checks sdof and wire, coupling "
-            "errors) are not made in an ensemble: run a cell near the limit by `towage run`"
+            f"{differs:.1e} of a variable's largest value. Comparisons with a second run (checks sdof and wire, "
+            "coupling errors) are not made in an ensemble: run a cell near the limit by `towage run`"
         )
         return table, hours, f"{note}. {self._spared(len(spared))}" if spared else note
 
     def _spared(self, count: int) -> str:
         wrong = (1.0 - self.probability) ** FEWEST
         return (
-            f"{count} of {len(self.design.points)} runs were spared (--decide-early): a cell fails whose first {FEWEST} runs all pass "
-            f"a limit, as one that holds would with a chance of at most {wrong:.0e}"
+            f"{count} of {len(self.design.points)} runs were spared (--decide-early): a cell fails whose first {FEWEST} runs all "
+            f"pass a limit, as one that holds would with a chance of at most {wrong:.0e}"
         )
 
 
