@@ -280,6 +280,10 @@ def test_screening_of_the_ships_own_motion_is_rayleighs() -> None:
     found = screened(resolved, one, [motion, Criterion("ship.pitch", True, 1.0, "rad")], 0.9)
     assert found.outcome
     assert "ship.pitch" in found.missing[0]
+    few = screened(
+        described(bare.setting({"ship.components": 50}, "test"), locator()), one, [motion], 0.9
+    )
+    assert few.deficit[1] > 5.0 * found.deficit[1] > 0.0  # 300 components
     m0, m2 = heave_moments(3.0, 2.0 * math.pi / 12.0, 0.0, math.pi, Hull(80.0, 18.0 * 0.78, 5.0), powers=(0, 2))
     n = 10800.0 / (2.0 * math.pi) * math.sqrt(m2 / m0)
     (extreme,) = found.outcome.cells[0].extremes
@@ -396,7 +400,8 @@ def test_runs_and_ensemble_agree(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_fitted_maxima_against_a_thousand_hours(monkeypatch: pytest.MonkeyPatch) -> None:
     """340 records of 3 h in one sea, seventeen fits of twenty. An interval holds the truth with 0.9, so that 12 of 17 or more do
-    with 0.99; the seeds are fixed. A linear response has Rayleigh's maxima, within a few per cent that 100 components cost."""
+    with 0.99; the seeds are fixed. A linear response has Rayleigh's maxima, less what 300 components cost (2.1 %); the interval
+    of the quantile itself is 1.5 % to both sides."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "benchmarks"))
     told = importlib.import_module("extremes").told(1000.0)
     for one in told:
@@ -404,4 +409,4 @@ def test_fitted_maxima_against_a_thousand_hours(monkeypatch: pytest.MonkeyPatch)
         assert one.holding >= 12, one
         assert one.holding_passed >= 12, one
     heave = told[0]
-    assert heave.quantile == pytest.approx(heave.linear, rel=0.04)
+    assert heave.quantile == pytest.approx((1.0 - 0.021) * heave.linear, rel=0.02)

@@ -98,6 +98,7 @@ def document(done: Done) -> dict[str, Any]:
             "uptime": linear.whole.holds if linear else math.nan,
             "criteria": [c.text for c in linear.criteria] if linear else [],
             "left_out": list(done.screening.missing),
+            "deficit": dict(zip(("mean", "largest"), done.screening.deficit)),
         },
         "notes": list(done.notes),
     }

@@ -16,6 +16,9 @@ from towage.operability.study import Done
 from towage.report.format import Markup, details, figure, number, page, percent, quantity
 from towage.report.format import table as html_table
 
+DEFICIT = 0.05
+"""Share by which extremes may be too low, for want of components, before more of them are asked for: about what twenty records
+leave open of a quantile."""
 NEAR = 12
 """Cells listed that are nearest to a limit."""
 
@@ -75,6 +78,13 @@ def _words(done: Done) -> list[str]:
     linear = done.screening.outcome
     if linear:
         said.append(f"linear response (simplified method): operable {percent(linear.whole.holds)} of the time")
+    mean, largest = done.screening.deficit
+    if mean == mean:
+        said.append(
+            f"the sea's components are so few that extremes of the heave of the point are lower than those of a Gaussian sea by "
+            f"{percent(mean, 2)} in the mean of the time and by up to {percent(largest, 2)}"
+            + ("; take more: --set UNIT.components=300" if largest > DEFICIT else "")
+        )
     said += [f"simplified method not made: {text}" for text in done.screening.missing]
     return [text.replace("−", "-").replace("–", "-") for text in said]
 
