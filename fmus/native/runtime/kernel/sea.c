@@ -61,20 +61,6 @@ static void place_lists(Motion *m, const double *table)
     }
 }
 
-/* SplitMix64. */
-static void draw_phases(double seed, int n, double *phase)
-{
-    uint64_t state = (uint64_t)(int64_t)floor(seed + 0.5);
-    for (int i = 0; i < n; i++) {
-        state += UINT64_C(0x9E3779B97F4A7C15);
-        uint64_t z = state;
-        z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-        z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-        z ^= z >> 31;
-        phase[i] = 2.0 * PI * ((double)(z >> 11) * 0x1p-53);
-    }
-}
-
 static void make_rates(Motion *m)
 {
     const SeaComponents *c = &m->components;
@@ -117,7 +103,7 @@ static void make(Motion *m, const double *table, const double *a)
     memcpy(m->ship.point, a + 18, sizeof m->ship.point);
     m->beyond = fmax(sea_share_beyond(&m->sea[0], &m->components, &m->ship),
                      sea_share_beyond(&m->sea[1], &m->components, &m->ship));
-    draw_phases(a[13], m->components.count, m->phase);
+    sea_phases(a[13], m->components.count, m->phase);
     make_rates(m);
     m->at = INT64_MIN;
     memset(m->amplified, 0, sizeof m->amplified);
