@@ -29,9 +29,10 @@ HEIGHT, PERIOD = 3.5, 9.0
 """The line nearly goes slack in this sea: quadratic drag decides the peaks."""
 LENGTH, TRANSIENT, GROUP, PROBABILITY = 10800.0, 200.0, 20, 0.9
 LOOKED_AT = (
-    Criterion("ship.heave", True, 4.0, "m"), Criterion("line.tension", True, 300e3, "N"),
-    Criterion("line.margin_taut", False, 0.0, "1"), Criterion("cage.velocity", True, 3.0, "m/s"),
+    Criterion("ship.heave", True, 5.0, "m"), Criterion("line.tension", True, 310e3, "N"),
+    Criterion("line.margin_taut", False, -0.1, "1"), Criterion("cage.velocity", True, 4.2, "m/s"),
 )  # fmt: skip
+"""Limits that some of the records pass, and not all."""
 
 
 class Told(NamedTuple):

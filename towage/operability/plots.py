@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from towage.operability.outcome import FAILS, HOLDS, INVALID, Limit, Outcome, Uptime
-from towage.report.format import scale
+from towage.report.format import number, scale
 from towage.report.plots import BLUE, GREEN, GREY, RED
 from towage.report.svg import canvas
 from towage.result.result import Array
@@ -80,7 +80,12 @@ def words(one: Outcome, heading: int, key: str) -> str:
             axis.bar(x, height * 0.96, width * 0.96, bottom=y - 0.48 * height, color=colour,
                      edgecolor=_FAIR if not cell.sure else "none", linewidth=1.2)  # fmt: skip
             axis.text(
-                x, y, f"{1000.0 * cell.share:.2g}" if cell.share >= 1e-4 else "·", ha="center", va="center", fontsize=6
+                x,
+                y,
+                number(1000.0 * cell.share, 2) if cell.share >= 1e-4 else "·",
+                ha="center",
+                va="center",
+                fontsize=6,
             )
         axis.set(xlabel="peak period Tp [s]", ylabel="Hs [m]")
         axis.grid(False)

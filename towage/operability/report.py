@@ -28,7 +28,7 @@ def text_summary(done: Done) -> str:
     one = done.outcome
     whole, own = one.whole, one.plan.headings
     lines = [
-        f"{done.table.title}: {len(one.cells)} cells, {len(done.table.status)} runs of {one.plan.length / 3600.0:.3g} h, "
+        f"{done.table.title}: {len(one.cells)} cells, {len(done.table.status)} runs of {_record(one)}, "
         f"{done.lost} not done",
         f"  operable        {shares_text(whole)} of the time",
     ]
@@ -93,7 +93,7 @@ def write_report(done: Done, path: Path) -> Path:
     """Writes the report to ``path`` and returns it. Raises `TowageError`."""
     one = done.outcome
     criteria = "; ".join(c.text for c in one.criteria)
-    subtitle = f"{criteria}, each with probability {one.probability:g} in {one.plan.length / 3600.0:.3g} h"
+    subtitle = f"{criteria}, each with probability {one.probability:g} in {_record(one)}"
     words = "".join(f"<p>{escape(text)}.</p>" for text in _words(done))
     body = (
         f"<section>{_facts(done)}{words}</section>\n<section>{''.join(_figures(done))}</section>\n"
@@ -117,7 +117,7 @@ def _facts(done: Done) -> str:
         ),
         ("Invalid", percent(whole.invalid), "outside the premises"),
         ("Not done", percent(whole.not_done), f"{done.lost} runs"),
-        ("Cells", str(len(one.cells)), f"{one.plan.seeds} seeds of {one.plan.length / 3600.0:.3g} h each"),
+        ("Cells", str(len(one.cells)), f"{one.plan.seeds} seeds of {_record(one)} each"),
     ]
     if done.screening.outcome:
         facts.append(("Linear response", percent(done.screening.outcome.whole.holds), "simplified method"))
@@ -170,19 +170,27 @@ def _gumbel(done: Done) -> Markup | None:
     values = column[row * one.plan.seeds : (row + 1) * one.plan.seeds]
     values = values[np.isfinite(values)]  # without runs that were spared
     mu, beta, _ = fitted((values if criterion.upper else -values)[None, :])
-    title = f"Extremes in the cell with most of the time on a limit: {_place(one, cell)}"
+    title = f"Extremes in the cell with most of the time on a limit: {', '.join(_parts(one, cell))}"
     drawn = plots.gumbel(one, np.asarray(values), k, (float(mu[0]), float(beta[0])), "gum")
     return figure(
         drawn, title, f"Gumbel's paper: its distribution is a straight line. Fit: {number(cell.extremes[k].fit)}."
     )
 
 
-def _place(one: Outcome, cell: Cell) -> str:
+def _parts(one: Outcome, cell: Cell) -> tuple[str, str, str]:
+    """Heading, height and period of a cell."""
     plan = one.plan
     return (
-        f"{plan.headings.degrees[cell.heading]:g}°, Hs {plan.scatter.heights[cell.height]:g} m, "
-        f"Tp {plan.peaks[cell.period]:.3g} s"
+        f"{plan.headings.degrees[cell.heading]:g}°",
+        f"{number(float(plan.scatter.heights[cell.height]))} m",
+        f"{number(float(plan.peaks[cell.period]))} s",
     )
+
+
+def _record(one: Outcome) -> str:
+    """The length of a record."""
+    length = one.plan.length
+    return f"{length / 3600.0:.3g} h" if length >= 3600.0 else f"{length / 60.0:.3g} min"
 
 
 def _limit_table(one: Outcome) -> Markup:
@@ -203,12 +211,12 @@ def _near_table(done: Done) -> Markup:
         unit = "" if criterion.unit == "1" else criterion.unit
         probable, value, low, high = (quantity(v, unit, 4) for v in (e.probable, e.quantile, e.low, e.high))
         rows.append(
-            (_place(one, cell), percent(cell.share * one.plan.headings.shares[cell.heading]), criterion.text, probable,
+            (*_parts(one, cell), percent(cell.share * one.plan.headings.shares[cell.heading]), criterion.text, probable,
              value, f"{low} to {high}", percent(e.exceedance), f"{percent(e.least)} to {percent(e.most)}", cell.word)
         )  # fmt: skip
-    head = ("Cell", "Share of the time", "Criterion", "Most probable", f"Quantile {one.probability:g}",
+    head = ("Heading", "Hs", "Tp", "Share of the time", "Criterion", "Most probable", f"Quantile {one.probability:g}",
             f"{percent(CONFIDENCE)} confidence", "Probability to pass", "confidence", "Word")  # fmt: skip
-    return Markup(details("Cells on which the answer hangs", html_table(head, rows, (1, 3, 4)), True))
+    return Markup(details("Cells on which the answer hangs", html_table(head, rows, (0, 1, 2, 3, 5, 6)), True))
 
 
 def _notes(done: Done) -> Markup:
