@@ -1,10 +1,10 @@
 """An operability study: a scene in all seas of a scatter diagram, from all headings, some seeds each; journaled, and resumed.
 
-from towage.operability.study import Study
+    from towage.operability.study import Study
 
-study = Study.of("cage_300m", ["line.margin_taut > 0", "line.tension < 450 kN"], seeds=20)
-result = study.run("out/study")
-result.outcome.whole.holds
+    study = Study.of("cage_300m", ["line.margin_taut > 0", "line.tension < 450 kN"], seeds=20)
+    result = study.run("out/study")
+    result.outcome.whole.holds
 """
 
 from __future__ import annotations

@@ -96,8 +96,6 @@ def _note(scene: Scene, members: Members) -> str:
         f"path and differ by at most {worst:.1e} of a variable's largest value."
     )
     left = _left_out(scene)
-    absent = (
-        f" The {left}: left out, as more than one computation of every point is needed (--engine runs)." if left else ""
-    )
+    absent = f" The {left}: left out, as more than one computation of every point is needed (--engine runs)." if left else ""
     rest = "The check wire (mass of a line), counts of events, attractors and coupling errors: left out too (--engine runs)."
     return f"{made}{absent} {rest}"

@@ -1,8 +1,8 @@
 """Sweeps: one scene run for many values, supervised, journaled, and resumed to the same bits.
 
-from towage.sweeps.sweep import sweep
+    from towage.sweeps.sweep import sweep
 
-table = sweep("slack", "ship.heave_amplitude=2 ft:6 ft:9", out="out/sweep")
+    table = sweep("slack", "ship.heave_amplitude=2 ft:6 ft:9", out="out/sweep")
 """
 
 from __future__ import annotations
@@ -185,9 +185,7 @@ def sweep(
     )
     place = Path(fmus) if fmus else None
     one = one_case(scene, case, set)
-    made = Sweep(
-        one, design(one, [vary] if isinstance(vary, str) else vary, samples, seed, place), place, flavour, timeout
-    )
+    made = Sweep(one, design(one, [vary] if isinstance(vary, str) else vary, samples, seed, place), place, flavour, timeout)
     if engine == "ensemble":
         return made.run_ensemble(sample or SAMPLE, seed, workers)
     return made.run(Path(out) if out else None, resume, workers, dask, hear)
