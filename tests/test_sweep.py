@@ -417,7 +417,14 @@ def test_ranges_that_are_refused(winch: Path, ranges: list[str], said: str) -> N
 
 def test_vary_reads_units_with_spaces() -> None:
     vary = parse_vary(" ship.heave_amplitude = 2 ft : 6 ft : 9 ")
-    assert (vary.target, vary.low, vary.high, vary.count) == ("ship.heave_amplitude", "2 ft", "6 ft", 9)
+    assert (vary.target, vary.texts, vary.count) == ("ship.heave_amplitude", ("2 ft", "6 ft"), 9)
+    assert parse_vary("ship.heave_amplitude=2 ft, 1 m,5").texts == ("2 ft", "1 m", "5")
+
+
+def test_a_list_is_a_grid(winch: Path) -> None:
+    made = grid(Scene.load(winch), ["winch.amplitude=1,5,2", "winch.number=0:1:2"])
+    assert made.shape == (3, 2)
+    assert made.points.tolist() == [[1, 0], [1, 1], [2, 0], [2, 1], [5, 0], [5, 1]]
 
 
 # ---- tables, attractors, the command --------------------------------------------------------------------------------
@@ -495,7 +502,9 @@ def test_command_on_a_shipped_scene(tmp_path: Path, capsys: pytest.CaptureFixtur
     [
         (["--sobol"], "--samples"),
         (["--limit", "line.tenson=1 kN"], "did you mean 'line.tension'"),
-        (["--limit", "line.tension=1 ft"], "--limit"),
+        (["--limit", "line.tension < 1 ft"], "--limit"),
+        (["--limit", "line.tension"], "expected UNIT.VARIABLE < VALUE"),
+        (["--limit", "line.margin_taut < 1"], "a margin is 1 at rest"),
     ],
 )
 def test_command_lines_that_are_refused(
@@ -521,7 +530,8 @@ def short(out: Path, engine: str, *more: str) -> list[str]:
     return [
         "sweep", "slack", "--vary", "ship.heave_amplitude=2 ft:6 ft:3",
         "--vary", "cradle.weight_in_water=6 tonf_long:12 tonf_long:2", "--set", "stop_time=40 s",
-        "--set", "checks.sdof.settle=20 s", "--limit", "line.tension=45 kip", "--engine", engine, "--out", str(out),
+        "--set", "checks.sdof.settle=20 s", "--limit", "line.tension=45 kip",
+        "--limit", "line.margin_taut > 0", "--engine", engine, "--out", str(out),
         "--progress", "none", *more,
     ]  # fmt: skip
 

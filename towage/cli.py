@@ -34,6 +34,7 @@ COMMANDS = {
     "response": "towage.commands.response",
     "route": "towage.commands.route",
     "sweep": "towage.commands.sweep",
+    "operability": "towage.commands.operability",
     "simplest": "towage.commands.simplest",
     "reproduce": "towage.commands.reproduce",
     "new": "towage.commands.new",
@@ -44,7 +45,7 @@ EXIT_CODES = """exit codes:
   1    verify: a case is over its tolerance; reproduce: a printed number differs without a reason
   2    a scene, an FMU or the command line is refused
   3    a run failed; what it recorded is kept
-  4    sweep: some runs were not done, the others are complete
+  4    sweep, operability: some runs were not done, the others are complete
   70   a defect of towage
   130  interrupted; what was recorded is kept
 """

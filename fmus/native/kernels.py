@@ -30,6 +30,8 @@ CONSTANTS = {
     "BEYOND": sea.BEYOND, "SLACK": playback.SLACK,
 }  # fmt: skip
 """What kernels share with their Python text."""
+SERIES = ("sea",)
+"""Kernels whose values are sums of series, which an ensemble takes for many members at once."""
 
 
 class Kernels:
@@ -86,7 +88,10 @@ def constants_source() -> str:
 def tables_source(kernels: Sequence[Kernel]) -> str:
     """The kernels with their tables."""
     tables = "".join(f"static const double table_{i}[] = {{{_numbers(k.tables)}}};\n" for i, k in enumerate(kernels))
-    rows = ",\n".join(f"    {{kernel_{k.name}, kernel_{k.name}_size, table_{i}}}" for i, k in enumerate(kernels))
+    series = {k.name: f"kernel_{k.name}_series" if k.name in SERIES else "0" for k in kernels}
+    rows = ",\n".join(
+        f"    {{kernel_{k.name}, kernel_{k.name}_size, table_{i}, {series[k.name]}}}" for i, k in enumerate(kernels)
+    )
     return f"{tables}\nstatic const Kernel kernels[] = {{\n{rows},\n}};\n"
 
 
@@ -102,6 +107,7 @@ enum {{ COUNT = {len(kernels)} }};
 void *kernels_make(void);
 void kernels_drop(void *);
 int towage_kernel(int, const double *, double *, const long long *);
+const double *towage_kernel_series(int, const double *, int, double *, const long long *, double *);
 
 void *kernels_make(void) {{ return kernels_memory(kernels, COUNT); }}
 void kernels_drop(void *memory) {{ kernels_free(memory, COUNT); }}
@@ -110,6 +116,15 @@ int towage_kernel(int number, const double *argument, double *result, const long
 {{
     void **memory = (void **)(intptr_t)iw[0];
     kernels[number].call(kernels[number].table, argument, result, memory[number]);
+    return 0;
+}}
+
+const double *towage_kernel_series(int number, const double *argument, int same, double *result, const long long *iw, double *tau)
+{{
+    const Kernel *kernel = kernels + number;
+    void *memory = ((void **)(intptr_t)iw[0])[number];
+    if (kernel->series) return kernel->series(kernel->table, argument, same, result, memory, tau);
+    kernel->call(kernel->table, argument, result, memory);
     return 0;
 }}
 """

@@ -12,6 +12,7 @@ from towage.commands import common
 
 if TYPE_CHECKING:
     from towage.scene.scene import Scene
+    from towage.sweeps.criteria import Criterion
     from towage.sweeps.sweep import Sweep
     from towage.sweeps.table import Table
 
@@ -28,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=FROM:TO[:COUNT]",
         action="append",
         required=True,
-        help="a range of unit.parameter or of a key such as coupling.step; all combinations are run (may be repeated)",
+        help="a range, or a list A,B,C, of unit.parameter or of a key such as coupling.step; all combinations are run (may be "
+        "repeated)",
     )
     parser.add_argument("--sobol", action="store_true", help="a scrambled Sobol sequence in place of a grid")
     parser.add_argument("--samples", metavar="N", type=common.positive, help="points of the sequence; best a power of 2")
@@ -37,10 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--limit",
-        metavar="UNIT.VARIABLE=VALUE",
+        metavar="UNIT.VARIABLE<VALUE",
         action="append",
         default=[],
-        help="report in what share of the runs a recorded variable stays under this value (may be repeated)",
+        help="report in what share of the runs a recorded variable stays under (<) or over (>) this value (may be repeated)",
     )
     parser.add_argument(
         "--engine",
@@ -68,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "example:\n  towage sweep sea_cliff --case '8 s wave' --vary 'cradle.mass=20 long_ton:60 long_ton:9' "
         "--vary 'line.stiffness=0.5 tonf_long/ft:2 tonf_long/ft:9'\n"
         "  towage sweep slack --sobol --samples 256 --vary 'ship.heave_amplitude=2 ft:6 ft' "
-        "--vary 'ship.heave_period=6 s:10 s' --limit 'line.tension=60 kip'"
+        "--vary 'ship.heave_period=6 s:10 s' --limit 'line.tension < 60 kip'"
     )
 
 
@@ -76,6 +78,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
     from towage.errors import SceneError
     from towage.process.stop import heeded
+    from towage.sweeps.criteria import criterion
     from towage.sweeps.design import design
     from towage.sweeps.sweep import JOURNAL, Sweep
     from towage.terminal import INTERRUPTED, complain
@@ -90,7 +93,7 @@ def execute(arguments: argparse.Namespace) -> int:
     points = design(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
     sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout, common.limits(arguments))
     recorded = sweep.measures()
-    limits = [_limit(text, recorded) for text in arguments.limit]
+    limits = [criterion(text, recorded, "--limit") for text in arguments.limit]
     out = common.directory(arguments.out, scene, "_sweep")
     if arguments.engine == "ensemble" and (out / JOURNAL).exists():
         raise SceneError(f"{out} holds a sweep by runs, whose tables would be lost: choose another", key="--out")
@@ -124,7 +127,7 @@ def _run(sweep: Sweep, out: Path, arguments: argparse.Namespace) -> Table:
         return sweep.run(out, arguments.resume, arguments.workers, arguments.dask, hear)
 
 
-def _write(table: Table, scene: Scene, limits: list[tuple[str, float]], out: Path, as_json: bool) -> None:
+def _write(table: Table, scene: Scene, limits: list[Criterion], out: Path, as_json: bool) -> None:
     """The tables and the report in ``out``, the summary on stdout."""
     from towage.sweeps.report import text_summary, write_report
 
@@ -151,37 +154,19 @@ def _check_options(arguments: argparse.Namespace) -> None:
     refuse_options(arguments.engine, given)
 
 
-def _limit(text: str, recorded: dict[str, str]) -> tuple[str, float]:
-    """(variable, value in its unit). Raises `SceneError`."""
-    from towage.errors import SceneError, suggest
-    from towage.fmus.declare.quantities import QuantityError, parse_quantity
-
-    name, separator, value = (part.strip() for part in text.partition("="))
-    if not separator or name not in recorded:
-        raise SceneError(f"{text!r}: expected UNIT.VARIABLE=VALUE of a recorded variable{suggest(name, recorded)}",
-                         key="--limit")  # fmt: skip
-    try:
-        return name, float(value)
-    except ValueError:
-        pass
-    try:
-        return name, parse_quantity(value, recorded[name] or "1")
-    except QuantityError as error:
-        raise SceneError(f"{text!r}: {error}", key="--limit") from None
-
-
-def _document(table: Table, limits: list[tuple[str, float]], files: list[Path]) -> dict[str, object]:
+def _document(table: Table, limits: list[Criterion], files: list[Path]) -> dict[str, object]:
     from collections import Counter
 
-    from towage.sweeps.report import share_under
+    from towage.sweeps.report import share_within
 
     return {
         "runs": len(table.status),
         "status": Counter(table.status),
         "verdicts": Counter(verdict for verdict, done in zip(table.verdict, table.done) if done),
         "limits": [
-            {"variable": name, "limit": limit, "share": share_under(table, name, limit) if table.done.any() else None}
-            for name, limit in limits
+            {"variable": one.name, "side": one.side, "limit": one.limit,
+             "share": share_within(table, one) if table.done.any() else None}
+            for one in limits
         ],
         "files": [str(file) for file in files],
     }

@@ -79,13 +79,13 @@ def _library(text: Text) -> ctypes.CDLL:
     """The compiled text, from the cache if it is there."""
     from towage.fmus.native.compiler import compiler, host
     from towage.fmus.native.ensemble.build import FLAGS, library, sources_of
-    from towage.fmus.native.kernels import tables_source
+    from towage.fmus.native.kernels import kernels_source
 
     command = compiler(host())
     digest = hashlib.sha256("\0".join((text.text, *FLAGS, *command, _version(*command), _machine())).encode())
     for path in sources_of(text):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    digest.update(tables_source(text.traced.kernels).encode())
+    digest.update(kernels_source(text.traced.kernels).encode())
     place = cache() / "ensemble" / f"{digest.hexdigest()[:24]}.so"
     if not place.is_file():
         built = library(text)

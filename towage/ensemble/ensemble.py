@@ -13,6 +13,7 @@ run is refused if they differ. Open inputs are constant, and can be varied like 
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -116,6 +117,13 @@ class Ensemble:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def part(self, members: ArrayLike) -> Ensemble:
+        """Some of the members, by their numbers, in an ensemble of their own with the same compiled code."""
+        which, other = np.asarray(members, np.int64), copy.copy(self)
+        other.rows = self.rows[which]
+        other.varied = {name: values[which] for name, values in self.varied.items()}
+        return other
 
     def run(
         self,

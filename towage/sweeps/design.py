@@ -1,7 +1,8 @@
 """What a sweep varies: a grid over ranges, or a scrambled Sobol sequence in their box.
 
-A range is written "unit.parameter=A:B:N" (grid: N values from A to B, ends included) or "unit.parameter=A:B" (Sobol), its
-ends as in a scene file: numbers, or texts with a unit. Keys of the scene, as coupling.step, can be varied too.
+A range is written "unit.parameter=A:B:N" (grid: N values from A to B, ends included), "unit.parameter=A,B,C" (grid: these values,
+taken in rising order) or "unit.parameter=A:B" (Sobol), its values as in a scene file: numbers, or texts with a unit. Keys of the
+scene, as coupling.step, can be varied too.
 
 Source of the sequence: S. Joe and F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008), as in scipy; scrambling after Owen.
 """
@@ -35,12 +36,12 @@ _TIMES = ("stop_time", "coupling.step", "record.interval", "checks.sdof.settle",
 
 @dataclass(frozen=True)
 class Vary:
-    """A range as written; ``count`` None where none is given."""
+    """A range as written: its two ends, ``count`` None where none is given; or a list of ``texts`` with their ``count``."""
 
     target: str
-    low: str
-    high: str
+    texts: tuple[str, ...]
     count: int | None
+    listed: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,24 +69,25 @@ class Design:
 
 
 def parse_vary(text: str) -> Vary:
-    """The range in ``text``. Raises `SceneError`."""
+    """The range or list in ``text``. Raises `SceneError`."""
     target, separator, rest = text.partition("=")
-    parts = [part.strip() for part in rest.split(":")]
-    count = None
+    listed = "," in rest
+    parts = [part.strip() for part in rest.split("," if listed else ":")]
+    count = len(parts) if listed else None
     try:
-        if not separator or not target.strip() or len(parts) not in (2, 3) or not all(parts):
+        if not separator or not target.strip() or not (listed or len(parts) in (2, 3)) or not all(parts):
             raise ValueError
-        if len(parts) == 3:
-            count = int(parts[2])
+        if not listed and len(parts) == 3:
+            count = int(parts.pop())
     except ValueError:
         raise SceneError(
-            f"{text!r}: expected unit.parameter=FROM:TO:COUNT, or unit.parameter=FROM:TO with --sobol, as in "
-            "'ship.heave_amplitude=2 ft:6 ft:9'",
+            f"{text!r}: expected unit.parameter=FROM:TO:COUNT, a list unit.parameter=A,B,C, or unit.parameter=FROM:TO with "
+            "--sobol, as in 'ship.heave_amplitude=2 ft:6 ft:9'",
             key=VARY,
         ) from None
     if count is not None and count < 2:
         raise SceneError(f"{text!r}: a range has at least 2 values; a single one is given with --set", key=VARY)
-    return Vary(target.strip(), parts[0], parts[1], count)
+    return Vary(target.strip(), tuple(parts), count, listed)
 
 
 def design(
@@ -96,8 +98,8 @@ def design(
 
 
 def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Design:
-    """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT"), the first target changing slowest. Raises `SceneError`
-    for a range that does not fit the scene."""
+    """All combinations of ``ranges`` ("unit.parameter=FROM:TO:COUNT" or "=A,B,C"), the first target changing slowest. Raises
+    `SceneError` for a range that does not fit the scene."""
     axes = _axes(scene, ranges, fmus)
     counts = []
     for axis in axes:
@@ -105,7 +107,12 @@ def grid(scene: Scene, ranges: Sequence[str], fmus: Path | None = None) -> Desig
             raise SceneError(f"{axis.vary.target}: how many values? Write FROM:TO:COUNT, or use --sobol", key=VARY)
         counts.append(axis.vary.count)
     _refuse_too_many(math.prod(counts))
-    columns = [_checked(axis, np.linspace(axis.low, axis.high, count)) for axis, count in zip(axes, counts)]
+    columns = [
+        _checked(
+            axis, np.array(axis.values) if axis.vary.listed else np.linspace(axis.values[0], axis.values[-1], count)
+        )
+        for axis, count in zip(axes, counts)
+    ]
     shape = tuple(counts)
     points = np.stack([part.ravel() for part in np.meshgrid(*columns, indexing="ij")], axis=1)
     return _design(axes, points, shape, "grid " + "; ".join(ranges))
@@ -122,20 +129,19 @@ def sobol(scene: Scene, ranges: Sequence[str], samples: int, seed: int = 0, fmus
     axes = _axes(scene, ranges, fmus)
     for axis in axes:
         if axis.vary.count is not None:
-            raise SceneError(f"{axis.vary.target}: a sequence takes FROM:TO, without a count", key=VARY)
+            raise SceneError(f"{axis.vary.target}: a sequence takes FROM:TO, without a count or a list", key=VARY)
         if axis.whole:
             raise SceneError(f"{axis.vary.target} takes whole numbers: vary it in a grid", key=VARY)
     sequence = qmc.Sobol(len(axes), scramble=True, seed=seed)
     unit_cube = sequence.random_base2(max(samples - 1, 0).bit_length())[:samples]
-    low, high = np.array([a.low for a in axes]), np.array([a.high for a in axes])
+    low, high = np.array([a.values for a in axes]).T
     text = f"sobol {samples}, seed {seed}; " + "; ".join(ranges)
     return _design(axes, low + (high - low) * unit_cube, (), text)
 
 
 class _Axis(NamedTuple):
     vary: Vary
-    low: float
-    high: float
+    values: tuple[float, ...]
     unit: str
     whole: bool
 
@@ -151,12 +157,13 @@ def _axes(scene: Scene, ranges: Sequence[str], fmus: Path | None) -> list[_Axis]
 
 
 def _axis(scene: Scene, vary: Vary, fmus: Path | None) -> _Axis:
-    """The ends as numbers in the declared unit, both accepted by the scene and its units."""
-    ends = [_end(scene, vary.target, text, fmus) for text in (vary.low, vary.high)]
-    (low, unit, whole), (high, *_) = ends
-    if low == high:
-        raise SceneError(f"{vary.target}: both ends of the range are {low!r}", key=VARY)
-    return _Axis(vary, low, high, unit, whole)
+    """The values as numbers in the declared unit, all accepted by the scene and its units."""
+    values, units, whole = zip(*(_end(scene, vary.target, text, fmus) for text in vary.texts))
+    if len(set(values)) < len(values):
+        twice = f"{max(values, key=values.count)!r} is listed twice"
+        said = twice if vary.listed else f"both ends of the range are {values[0]!r}"
+        raise SceneError(f"{vary.target}: {said}", key=VARY)
+    return _Axis(vary, tuple(sorted(values)) if vary.listed else values, units[0], whole[0])
 
 
 def _end(scene: Scene, target: str, text: str, fmus: Path | None) -> tuple[float, str, bool]:
@@ -186,8 +193,8 @@ def _end(scene: Scene, target: str, text: str, fmus: Path | None) -> tuple[float
 def _checked(axis: _Axis, values: Array) -> Array:
     if axis.whole and np.any(values != np.rint(values)):
         raise SceneError(
-            f"{axis.vary.target} takes whole numbers, and {axis.vary.count} values from {axis.low:g} to {axis.high:g} "
-            "are not: choose another count",
+            f"{axis.vary.target} takes whole numbers, and {axis.vary.count} values from {axis.values[0]:g} to "
+            f"{axis.values[-1]:g} are not: choose another count",
             key=VARY,
         )
     return values

@@ -23,11 +23,12 @@ _STEPS = 800
 
 
 class Quantity(NamedTuple):
-    """A measure to draw: its name, what to call it, and a limit in its own unit (None: none)."""
+    """A measure to draw: its name, what to call it, and a limit in its own unit (None: none), an upper or a lower one."""
 
     name: str
     label: str
     limit: float | None = None
+    upper: bool = True
 
 
 def over_one(table: Table, quantities: list[Quantity], key: str) -> str:
@@ -101,17 +102,22 @@ def over_many(table: Table, quantity: Quantity, key: str) -> str:
 
 
 def operability(table: Table, quantity: Quantity, key: str) -> str:
-    """Share of the runs done in which the measure stays under a value, over that value; the limit dashed."""
+    """Share of the runs done in which the measure stays under a value (over it, for a lower limit), over that value; the limit
+    dashed."""
     factor, label = _scaled(table, quantity)
     known = table.measures[quantity.name][table.done] * factor
     ordered = np.sort(known[np.isfinite(known)])
-    shares = np.arange(1, len(ordered) + 1) / max(len(ordered), 1)
+    count = max(len(ordered), 1)
+    shares = (np.arange(1, len(ordered) + 1) if quantity.upper else np.arange(len(ordered), 0, -1)) / count
     kept = np.unique(np.linspace(0, len(ordered) - 1, min(len(ordered), _STEPS)).astype(int))
     with canvas(f"Operability: {quantity.label}", key, _WIDTH, [2.8]) as ((axis,), svg):
-        axis.step(ordered[kept], 100.0 * shares[kept], where="post", color=GREEN)
+        axis.step(ordered[kept], 100.0 * shares[kept], where="post" if quantity.upper else "pre",
+                  color=GREEN)  # fmt: skip
         if quantity.limit is not None:
             axis.axvline(quantity.limit * factor, color=RED, ls="--", lw=1.0)
-        axis.set(xlabel=label, ylabel="share of runs under it [%]", ylim=(0.0, 102.0))
+        axis.set(
+            xlabel=label, ylabel=f"share of runs {'under' if quantity.upper else 'over'} it [%]", ylim=(0.0, 102.0)
+        )
     return svg[0]
 
 

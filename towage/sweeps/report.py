@@ -13,6 +13,7 @@ from towage.files import atomic_write
 from towage.report.format import Markup, badge, details, figure, number, page, percent, quantity
 from towage.report.format import table as html_table
 from towage.scene.scene import Scene
+from towage.sweeps.criteria import Criterion
 from towage.sweeps.plots import Quantity, attractor_map, operability, over_many, over_one, over_two
 from towage.sweeps.table import Table
 
@@ -20,13 +21,11 @@ SHOWN = 20
 """Runs listed in a table: all are in the CSV file."""
 MOST = 6
 """Diagrams of variables that nothing tells to be of more interest than others."""
-Limit = tuple[str, float]
-"""A recorded variable and the value that it should stay under, in its own unit."""
 
 
-def write_report(table: Table, scene: Scene, limits: Sequence[Limit], path: Path) -> Path:
-    """Writes the report of a sweep to ``path`` and returns it. ``limits``: recorded variables and the values that they should
-    stay under, in their own units. Raises `TowageError` if it cannot be written."""
+def write_report(table: Table, scene: Scene, limits: Sequence[Criterion], path: Path) -> Path:
+    """Writes the report of a sweep to ``path`` and returns it. ``limits``: what recorded variables should stay under or over.
+    Raises `TowageError` if it cannot be written."""
     figures = "".join(_figures(table, _quantities(table, scene, limits), limits))
     body = (
         f"{f'<p>{escape(table.note)}</p>' if table.note else ''}"
@@ -38,15 +37,14 @@ def write_report(table: Table, scene: Scene, limits: Sequence[Limit], path: Path
     return path
 
 
-def text_summary(table: Table, limits: Sequence[Limit]) -> str:
+def text_summary(table: Table, limits: Sequence[Criterion]) -> str:
     """The lines that a sweep ends with on a terminal: counts, verdicts, shares under the limits, the first failures."""
     lines = [f"{table.title}: {len(table.status)} runs, {_counted(table.status)}"]
     if table.done.any():
         words = [verdict for verdict, done in zip(table.verdict, table.done) if done]
         lines.append(f"  verdicts        {_counted(words)}")
-    for name, limit in limits:
-        shown = quantity(limit, table.units.get(f"max:{name}", ""))
-        lines.append(f"  {name} stays under {shown} in {percent(share_under(table, name, limit))} of the runs done")
+    for one in limits:
+        lines.append(f"  {_in_words(one, 'stays ')} in {percent(share_within(table, one))} of the runs done")
     failures = [k for k, done in enumerate(table.done) if not done]
     lines += [f"  run {k} {table.status[k]}: {table.message[k]}" for k in failures[:3]]
     if len(failures) > 3:
@@ -55,17 +53,21 @@ def text_summary(table: Table, limits: Sequence[Limit]) -> str:
     return "\n".join(lines).replace("−", "-").replace("–", "-")
 
 
-def share_under(table: Table, name: str, limit: float) -> float:
-    """Share of the runs done in which a variable stays at or under a limit; NaN if none was done."""
-    largest = table.measures.get(f"max:{name}", np.full(len(table.status), np.nan))[table.done]
-    return float(np.mean(largest <= limit)) if len(largest) else float("nan")
+def share_within(table: Table, one: Criterion) -> float:
+    """Share of the runs done in which a criterion holds; NaN if none was done."""
+    extremes = table.measures.get(one.measure(table.measures), np.full(len(table.status), np.nan))[table.done]
+    return float(np.mean([one.holds(value) for value in extremes])) if len(extremes) else float("nan")
+
+
+def _in_words(one: Criterion, verb: str = "") -> str:
+    return f"{one.name} {verb}{one.side} {quantity(one.limit, '' if one.unit == '1' else one.unit)}"
 
 
 def _counted(words: Sequence[str]) -> str:
     return ", ".join(f"{count} {word}" for word, count in Counter(words).most_common())
 
 
-def _quantities(table: Table, scene: Scene, limits: Sequence[Limit]) -> list[Quantity]:
+def _quantities(table: Table, scene: Scene, limits: Sequence[Criterion]) -> list[Quantity]:
     """What is worth a diagram: the SDOF error, the worst margin, the largest tension, and what has a limit; where there is
     none of these, as with units of other makes, the largest value of the first variables that are recorded."""
     check = scene.checks.get("sdof")
@@ -73,15 +75,17 @@ def _quantities(table: Table, scene: Scene, limits: Sequence[Limit]) -> list[Qua
         Quantity("sdof:rms", "SDOF error, rms", check.tolerance if check else None),
         Quantity("worst_margin", "worst margin", 0.0),
     ]
-    known = dict(limits)
+    named = {one.measure(table.measures): one for one in limits}
     tension = check.tension if check else next((n[4:] for n in table.measures if n.endswith("tension")), "")
-    wanted += [Quantity(f"max:{n}", f"largest {n}", known.get(n)) for n in dict.fromkeys([*known, tension])]
+    wanted += [Quantity(measure, f"{'largest' if one.upper else 'smallest'} {one.name}", one.limit, one.upper)
+               for measure, one in named.items()]  # fmt: skip
+    wanted += [Quantity(f"max:{tension}", f"largest {tension}")] if f"max:{tension}" not in named else []
     drawn = [q for q in wanted if np.isfinite(table.measures.get(q.name, np.nan)).any()]
     rest = (n for n, values in table.measures.items() if n.startswith("max:") and np.isfinite(values).any())
     return drawn or [Quantity(name, f"largest {name[4:]}") for name in list(rest)[:MOST]]
 
 
-def _figures(table: Table, quantities: Sequence[Quantity], limits: Sequence[Limit]) -> list[str]:
+def _figures(table: Table, quantities: Sequence[Quantity], limits: Sequence[Criterion]) -> list[str]:
     if not table.done.any():
         return ["<p>No run was done.</p>"]
     targets = len(table.design.targets)
@@ -102,8 +106,8 @@ def _figures(table: Table, quantities: Sequence[Quantity], limits: Sequence[Limi
             "subharmonic; none is chaos, or a motion that has not settled, which a record cannot tell apart."
         )
         drawn.append(figure(attractor_map(table, "att"), "Attractors", note))
-    named = [name for name, _ in limits]
-    for k, one in enumerate(q for q in quantities if q.name[4:] in named):
+    named = [one.measure(table.measures) for one in limits]
+    for k, one in enumerate(q for q in quantities if q.name in named):
         note = f"Share of the {int(table.done.sum())} runs done, all with equal weight."
         drawn.append(figure(operability(table, one, f"o{k}"), f"Operability: {one.label}", note))
     return drawn
@@ -120,11 +124,9 @@ def _caption(table: Table, one: Quantity) -> str:
     return f"The white line is the limit, {limit}."
 
 
-def _facts(table: Table, limits: Sequence[Limit]) -> str:
+def _facts(table: Table, limits: Sequence[Criterion]) -> str:
     facts = [("Runs", str(len(table.status)), ""), ("Done", str(int(table.done.sum())), _counted(table.status))]
-    for name, limit in limits:
-        share = percent(share_under(table, name, limit))
-        facts.append((f"{name} under {quantity(limit, table.units.get(f'max:{name}', ''))}", share, "of the runs done"))
+    facts += [(_in_words(one), percent(share_within(table, one)), "of the runs done") for one in limits]
     cells = "".join(
         f"<div><dt>{escape(head)}</dt><dd>{escape(value)}<small>{escape(note)}</small></dd></div>"
         for head, value, note in facts

@@ -19,14 +19,15 @@ from towage.result.result import Result
 from towage.scene.resolve import ResolvedScene
 from towage.sweeps.attractor import repeats_after
 
-Status = Literal["done", "failed", "refused", "crashed", "hung", "defect"]
+Status = Literal["done", "failed", "refused", "crashed", "hung", "defect", "spared"]
 _COMPARISON = ("rms", "tension_rms", "amplitude", "phase", "peak_tension", "indicator", "bound", "estimate")
 
 
 @dataclass(frozen=True)
 class Row:
     """One run. ``status``: done; failed (a unit said so, or a value was not finite); refused (the values do not fit the
-    scene or the checks before the run); crashed or hung with its process; defect (of towage). ``measures``: numbers
+    scene or the checks before the run); crashed or hung with its process; defect (of towage); spared (a study that
+    did without it). ``measures``: numbers
     by the names above, in the units of their variables. ``words``: those of the card's items, by their names. ``note``: the
     stack or what was printed, for a reader; it goes to the journal only, because two crashes of one run need not print the
     same."""
@@ -40,15 +41,17 @@ class Row:
     words: dict[str, str] = field(default_factory=dict)
 
 
-def row(index: int, result: Result, resolved: ResolvedScene) -> Row:
-    """The row of a run that came to its end."""
+def row(index: int, result: Result, resolved: ResolvedScene, since: float = 0.0) -> Row:
+    """The row of a run that came to its end. ``since``: s, before which no extremes are taken of what is recorded."""
     if result.status == "failed":
         return Row(index, "failed", message=result.message)
     words: dict[str, str] = {item.name: item.word for item in result.verdict.items}
-    return Row(index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved), words=words)
+    return Row(
+        index, "done", result.verdict.word, result.verdict.reason, _measures(result, resolved, since), words=words
+    )
 
 
-def _measures(result: Result, resolved: ResolvedScene) -> dict[str, float]:
+def _measures(result: Result, resolved: ResolvedScene, since: float) -> dict[str, float]:
     measures: dict[str, float | None] = {}
     if result.comparison:
         measures |= {f"sdof:{name}": vars(result.comparison)[name] for name in _COMPARISON}
@@ -60,7 +63,10 @@ def _measures(result: Result, resolved: ResolvedScene) -> dict[str, float]:
         measures["worst_margin"] = worst.worst
     measures |= {f"margin:{margin.variable}": margin.worst for margin in result.margins}
     margins = {margin.variable for margin in result.margins}
-    for name, values in result.columns.items():
+    kept = result.time >= since
+    for name, values in ((name, column[kept]) for name, column in result.columns.items()):
+        if name in margins and since > 0.0 and np.isfinite(values).any():
+            measures[f"margin:{name}"] = float(np.nanmin(values))
         if name not in margins and np.isfinite(values).any():
             measures[f"min:{name}"], measures[f"max:{name}"] = float(np.nanmin(values)), float(np.nanmax(values))
     measures |= {f"events:{name}": float(n) for name, n in Counter(f"{e.unit}.{e.name}" for e in result.events).items()}

@@ -48,7 +48,8 @@ class Sweep:
     """A scene without cases (`Scene.case` drops them) over a design.
 
     ``fmus``: directory of the shipped units' FMUs (None: built when needed). ``flavour``: which of them. ``timeout``:
-    longest time that a run may make no progress, s. ``limits``: of every run."""
+    longest time that a run may make no progress, s. ``limits``: of every run. ``since``: s, before which no extremes are
+    taken."""
 
     scene: Scene
     design: Design
@@ -56,6 +57,7 @@ class Sweep:
     flavour: Flavour = "auto"
     timeout: float = 60.0
     limits: Limits = NO_LIMITS
+    since: float = 0.0
 
     def __post_init__(self) -> None:
         if self.scene.cases:
@@ -73,7 +75,7 @@ class Sweep:
             "python": platform.python_version(),
             "machine": f"{sys.platform} {platform.machine()}",
         }
-        points = {"text": self.design.text, "points": self.design.digest()}
+        points = {"text": self.design.text, "points": self.design.digest(), "since": self.since}
         return {"scene": scene, "design": points, "flavour": self.pinned(), "fmus": files, "versions": versions}
 
     def pinned(self) -> Flavour:
@@ -101,7 +103,9 @@ class Sweep:
         finished until then, or until Ctrl-C, is in the journal.
         """
         identity = self.identity()
-        setup = Setup(self.scene, self.fmus, identity["flavour"], self.timeout, identity["fmus"], self.limits)
+        setup = Setup(
+            self.scene, self.fmus, identity["flavour"], self.timeout, identity["fmus"], self.limits, self.since
+        )
         with ExitStack() as stack:
             kept = out or stack.enter_context(scratch())
             count = len(self.design.points)

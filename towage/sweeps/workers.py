@@ -42,7 +42,7 @@ LOOK = 0.5
 
 class Setup(NamedTuple):
     """What all runs of a sweep share; ``scene`` has no cases. ``timeout``: longest run without progress, s. ``digests``:
-    of the FMUs that the sweep began with. ``limits``: of every run."""
+    of the FMUs that the sweep began with. ``limits``: of every run. ``since``: s, before which no extremes are taken."""
 
     scene: Scene
     fmus: Path | None
@@ -50,6 +50,7 @@ class Setup(NamedTuple):
     timeout: float
     digests: dict[str, str]
     limits: Limits = NO_LIMITS
+    since: float = 0.0
 
 
 def digests(scene: Scene, fmus: Path | None, flavour: Flavour) -> dict[str, str]:
@@ -242,7 +243,7 @@ def _serve(setup: Setup, task: Task, mark: Mark, report: Report) -> Row:
     try:
         scene = setup.scene.setting(task.values, VARY)
         master = Master(scene, None, setup.fmus, setup.flavour, mark.unit)
-        return row(task.index, master.run(report), master.resolved)
+        return row(task.index, master.run(report), master.resolved, setup.since)
     except TowageError as error:
         return Row(task.index, "failed" if isinstance(error, RunError) else "refused", message=_without_file(error))
     except MemoryError:

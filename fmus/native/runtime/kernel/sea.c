@@ -61,20 +61,6 @@ static void place_lists(Motion *m, const double *table)
     }
 }
 
-/* SplitMix64. */
-static void draw_phases(double seed, int n, double *phase)
-{
-    uint64_t state = (uint64_t)(int64_t)floor(seed + 0.5);
-    for (int i = 0; i < n; i++) {
-        state += UINT64_C(0x9E3779B97F4A7C15);
-        uint64_t z = state;
-        z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-        z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-        z ^= z >> 31;
-        phase[i] = 2.0 * PI * ((double)(z >> 11) * 0x1p-53);
-    }
-}
-
 static void make_rates(Motion *m)
 {
     const SeaComponents *c = &m->components;
@@ -117,7 +103,7 @@ static void make(Motion *m, const double *table, const double *a)
     memcpy(m->ship.point, a + 18, sizeof m->ship.point);
     m->beyond = fmax(sea_share_beyond(&m->sea[0], &m->components, &m->ship),
                      sea_share_beyond(&m->sea[1], &m->components, &m->ship));
-    draw_phases(a[13], m->components.count, m->phase);
+    sea_phases(a[13], m->components.count, m->phase);
     make_rates(m);
     m->at = INT64_MIN;
     memset(m->amplified, 0, sizeof m->amplified);
@@ -266,18 +252,19 @@ static void values_of(const double (*c)[4], double tau, double *value)
     for (int s = 0; s < 4; s++) value[s] = tau * b1[s] - b2[s] + c[0][s];
 }
 
-void kernel_sea(const double *table, const double *argument, double *result, void *memory)
+const double *kernel_sea_series(const double *table, const double *argument, bool same, double *result, void *memory,
+                                double *tau)
 {
     Motion *m = memory;
     const int signal = (int)argument[1];
-    if (!m->known || memcmp(m->key, argument + 2, sizeof m->key)) make(m, table, argument + 2);
+    if (!m->known || (!same && memcmp(m->key, argument + 2, sizeof m->key))) make(m, table, argument + 2);
     for (int k = 0; k < 5; k++) result[k] = signal == BEYOND && k == 0 ? m->beyond : 0.0;
-    if (signal == BEYOND) return;
+    if (signal == BEYOND) return NULL;
     amplify(m, signal);
-    if (m->square[signal][0] == 0.0 && m->square[signal][2] == 0.0) return; /* does not move */
+    if (m->square[signal][0] == 0.0 && m->square[signal][2] == 0.0) return NULL; /* does not move */
     const double since = argument[0] - m->anchor, place = floor(since / m->width);
     for (int k = 0; k < 5; k++) result[k] = NAN;
-    if (!(fabs(place) < 1e15)) return;
+    if (!(fabs(place) < 1e15)) return NULL;
     int64_t n = (int64_t)place;
     if (!m->steady) n = n < 0 ? 0 : n > m->windows - 1 ? m->windows - 1 : n;
     const int slot = (int)((n % SLOTS + SLOTS) % SLOTS);
@@ -287,10 +274,17 @@ void kernel_sea(const double *table, const double *argument, double *result, voi
         derive(series, 2.0 / m->width);
         m->window[signal][slot] = n;
     }
-    const double tau = 2.0 * (since - (double)n * m->width) / m->width - 1.0;
-    values_of((const double (*)[4])series, tau, result);
+    *tau = 2.0 * (since - (double)n * m->width) / m->width - 1.0;
     const double s = fmin(1.0, fmax(0.0, since / m->interval)), r = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
     const double *square = m->square[signal];
     result[4] =
         m->steady ? square[0] : (1.0 - r) * (1.0 - r) * square[0] + 2.0 * (1.0 - r) * r * square[1] + r * r * square[2];
+    return series[0];
+}
+
+void kernel_sea(const double *table, const double *argument, double *result, void *memory)
+{
+    double tau;
+    const double *series = kernel_sea_series(table, argument, false, result, memory, &tau);
+    if (series) values_of((const double (*)[4])series, tau, result);
 }

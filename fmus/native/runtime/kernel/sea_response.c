@@ -1,6 +1,7 @@
 #include "sea_response.h"
 
 #include <math.h>
+#include <stdint.h>
 
 #include "kernel_constants.h"
 
@@ -56,4 +57,17 @@ double sea_share_beyond(const SeaState *sea, const SeaComponents *c, const SeaSh
             share += 16.0 * (0.5 * c->amplitude[i] * c->amplitude[i]);
     }
     return share;
+}
+
+void sea_phases(double seed, int n, double *phase)
+{
+    uint64_t state = (uint64_t)(int64_t)floor(seed + 0.5);
+    for (int i = 0; i < n; i++) {
+        state += UINT64_C(0x9E3779B97F4A7C15);
+        uint64_t z = state;
+        z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+        z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+        z ^= z >> 31;
+        phase[i] = 2.0 * PI * ((double)(z >> 11) * 0x1p-53);
+    }
 }

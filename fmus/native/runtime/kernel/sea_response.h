@@ -27,6 +27,8 @@ typedef struct {
 
 /* Complex amplitudes of a motion, real and imaginary part in turn. */
 void sea_amplitudes(int signal, const SeaState *, const SeaComponents *, const SeaShip *, double *amplitude);
+/* n phases of a seed, rad: SplitMix64, as models/sea/waves.py. */
+void sea_phases(double seed, int n, double *phase);
 /* Share of the wave energy at frequencies that the table lacks. */
 double sea_share_beyond(const SeaState *, const SeaComponents *, const SeaShip *);
 
