@@ -13,8 +13,8 @@ enum { ARGUMENTS = 40, RESULTS = 8, KEPT = 4 };
 
 void *kernels_make(void);
 void kernels_drop(void *);
-const double *towage_kernel_series(int number, const double *argument, int same, double *result, const long long *memory,
-                                   double *tau);
+const double *towage_kernel_series(int number, const double *argument, int same, double *result,
+                                   const long long *memory, double *tau);
 
 typedef double Four __attribute__((vector_size(32)));
 

@@ -13,9 +13,10 @@ typedef struct {
     void (*call)(const double *table, const double *argument, double *result, void *memory);
     size_t (*size)(const double *table); /* of its memory, bytes; zero at first */
     const double *table;
-    /* For ensembles, which sum the series of many members at once; NULL where a kernel has none. Fills `result` but for its
-     * first four values, which are the sums of the ORDER rows of four that it returns, Chebyshev series at `tau`; or, where it
-     * returns NULL, all of it. `same`: only the first two arguments have changed since the last call, and only they are given. */
+    /* For ensembles, which sum the series of many members at once; NULL where a kernel has none. Fills `result` but for
+     * its first four values, which are the sums of the ORDER rows of four that it returns, Chebyshev series at `tau`;
+     * or, where it returns NULL, all of it. `same`: only the first two arguments have changed since the last call, and
+     * only they are given. */
     const double *(*series)(const double *table, const double *argument, bool same, double *result, void *memory,
                             double *tau);
 } Kernel;
