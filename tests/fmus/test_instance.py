@@ -275,7 +275,10 @@ def test_input_derivatives_act_inside_the_step(name: str, order: int) -> None:
 
 EVERYTHING = DOCKING | {"breaking_load": 6e4, "wave_speed": 900.0}
 """Parameters without which some output does not depend on what it may depend on."""
-WIDER = {"tow_system": {"margin_small_perturbation"}, "wire": {"tension_least", "margin_slack"},
+WIDER = {"tow_system": {"margin_small_perturbation"},
+         # its ends are declared as one: an end moves the force of the other, or a component another, through the wire in time
+         "wire": {"tension_least", "margin_slack", "margin_bending", "margin_drag"}
+         | {f"{what}_{way}" for what in ("body_velocity", "lower_force") for way in ("surge", "sway", "heave")},
          # all that a sea moves: it is seen at the start and at looks, which are further apart than these steps
          "ship_in_sea": {v.name for v in load("ship_in_sea").observed if v.causality == "output"}
          - {"margin_response"}}  # fmt: skip
@@ -292,6 +295,8 @@ def test_declared_dependencies_are_the_real_ones(unit: str) -> None:
     seen: dict[str, set[str]] = {v.name: set() for v in outputs}
     # an event, a branch, the worst of several margins take luck to meet; units of floats alone have none and are slow
     for k in range(40 if it.unit.not_native else 200):
+        if "body_port" in load(unit).index:
+            start["body_port"] = k % 2
         cubics = case.cubics(rng)
         values = {name: cubics[name] for name in case.inputs}
         rates = {f"{name}_d1": cubics[f"{name}_d1"] for name in case.inputs}

@@ -146,9 +146,10 @@ def test_cable_and_body_apart_agree_with_the_tow_system() -> None:
 def test_float_in_quadrant_two_agrees_with_the_frequency_domain() -> None:
     scene = Scene.load("float_quadrant2")
     result = Master(scene, flavour="python").run()
-    # the nonlinear cable's tension is 13 % off, of its amplitude, and the float 0.15 m deeper in the mean, on its way to 0.19
+    # the nonlinear cable's tension is 13 % off, of its amplitude, and the float 0.155 m deeper in the mean (25 to 80
+    # segments), on its way to 0.19
     assert result.status == "done" and result.verdict.word == "invalid"
-    assert result.verdict.number == pytest.approx(0.13, abs=0.01) and "0.15 m deeper" in result.verdict.reason
+    assert result.verdict.number == pytest.approx(0.13, abs=0.01) and re.search(r"0\.1[56] m deeper", result.verdict.reason)
     tow = towing.scene_tows(scene)[0]
     omega = 2.0 * math.pi * 0.15
     columns = result.columns

@@ -231,6 +231,8 @@ def check_wrong_guid_is_refused(fmu):
 def check_numbers_that_go_bad_are_discarded(fmu):
     """Whatever input grows beyond all numbers, the unit says when and what, and is as it was."""
     for entry in fmu.inputs:
+        if entry.startswith("lower_velocity") and not fmu.start.get("body_port"):
+            continue  # of a wire with its body on board: it moves nothing
         it, twin = fmu.ready(fmu.start), fmu.ready(fmu.start)
         good = {n: v if n in fmu.inputs else 0.0 for n, v in random_inputs(fmu, random.Random(1)).items()}
         for each in (it, twin):
