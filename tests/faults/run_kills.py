@@ -54,6 +54,13 @@ def towage(*words: str) -> list[str]:
     return [sys.executable, "-m", "towage", *words]
 
 
+def aged(folder: Path, prefix: str = "") -> None:
+    """What is in the folder under such names, as if some time had passed."""
+    for entry in folder.iterdir():
+        if entry.name.startswith(prefix):
+            os.utime(entry, (0, 0))
+
+
 class Field:
     """A directory with a scene, the results of runs that were left alone, and how long these took."""
 
@@ -118,10 +125,13 @@ class Field:
         elif out.exists() and (out / "scene.npz").exists():
             self.compare(out / "scene.npz", prefix=True)
             how += ", with its files"
+        if out.exists():
+            aged(out, ".")  # a temporary file is cleared once its maker cannot be about to lock it
         self.run(*self.runs(out), "--resume")
         self.compare(out / "scene.npz", prefix=False)
         assert (out / "scene.csv").read_bytes() == (self.place / "alone" / "scene.csv").read_bytes()
-        assert sorted(entry.name for entry in out.iterdir()) == ["scene.csv", "scene.npz"]
+        there = sorted(entry.name for entry in out.iterdir())
+        assert there == ["scene.csv", "scene.npz"], there
         return how
 
     def compare(self, file: Path, prefix: bool) -> None:
@@ -145,8 +155,7 @@ class Field:
 
     def left(self) -> list[str]:
         """Folders that the next run would not clear away."""
-        for entry in self.temporary.iterdir():
-            os.utime(entry, (0, 0))  # as if some time had passed
+        aged(self.temporary)
         self.run(*self.runs(self.place / "last"))
         self.run("check", str(self.scene), "--flavour", "python")
         return [entry.name for entry in self.temporary.iterdir()]
