@@ -278,6 +278,7 @@ def by_turns(data: Dataset) -> None:
         (change("time", units="hours"), "its times have no origin"),
         (change("time", units="fortnights since 2024-01-01"), "time: units: 'fortnights since 2024-01-01': expected 'hours"),
         (change("time", units="months since 2024-01-01"), "time: units"),
+        (change("time", units="hours since 2024-01"), "time: units: 'hours since 2024-01': expected 'hours since"),
         (change("time", units="furlongs"), "time: units: 'furlongs': expected 'hours since"),
         (change("latitude", units="m", standard_name="latitude"), "latitude: units: 'm': expected a unit as 'deg'"),
         (values("latitude", 3, 95.0), "latitude: .* -90 to 90|latitude: is not equidistant"),

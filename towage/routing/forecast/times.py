@@ -49,7 +49,7 @@ def read(variable: Variable) -> Times:
         raise variable.fault("calendar", f"{calendar!r}: expected one of: {', '.join((*WORLD, *MODEL))}")
     try:
         first, second = cftime.num2date([0, 1], unit, "standard" if calendar == "utc" else calendar)
-    except (ValueError, OverflowError) as error:
+    except (ValueError, OverflowError, TypeError) as error:  # TypeError: a date without a day
         raise variable.fault("units", f"{unit!r}: expected 'hours since 2020-01-01 00:00:00' ({error})") from error
     step = (second - first).total_seconds()
     return Times(np.round(instant(first) + values * step, 3), MODEL.get(calendar, "world"))
