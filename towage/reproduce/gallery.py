@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from towage.files import atomic_write
+from towage.frequency_response.response import save_rows
 from towage.reproduce.items import METHODS, REPORTS, Item, Reproduction, Row, items, written
 
 
@@ -57,12 +55,8 @@ def write_files(found: Reproduction, directory: Path) -> list[Path]:
     files: list[Path] = []
     if found.answer and found.answer.columns:
         files.append(directory / f"{found.item.full_name}.csv")
-        table = io.StringIO()
-        writer = csv.writer(table, lineterminator="\n")
-        writer.writerow(found.answer.columns)
-        writer.writerows(zip(*found.answer.columns.values(), strict=True))
-        with atomic_write(files[-1]) as stream:
-            stream.write(table.getvalue().encode())
+        columns = found.answer.columns
+        save_rows(files[-1], [dict(zip(columns, row)) for row in zip(*columns.values(), strict=True)])
     if found.answer and found.answer.draw:
         files.append(directory / f"{found.item.full_name}.svg")
         found.answer.draw(files[-1])
