@@ -147,6 +147,17 @@ def limits(arguments: argparse.Namespace) -> Limits:
     return Limits(memory, *times)
 
 
+def load_one(arguments: argparse.Namespace, what: str) -> Scene:
+    """The only case to run; ``what`` is over one, "a sweep". Raises `SceneError`, where there are several too, and `FmuError`."""
+    from towage.errors import SceneError
+
+    _, cases = load(arguments)
+    if len(cases) > 1:
+        names = ", ".join(repr(case.chosen) for case in cases)
+        raise SceneError(f"{what} is over one case: choose one of {names} with --case", key="--case")
+    return cases[0]
+
+
 def load(arguments: argparse.Namespace) -> tuple[Scene, list[Scene]]:
     """The scene with the values of ``--set``, and the scenes to run: each wanted case, or the scene itself.
 

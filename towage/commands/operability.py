@@ -13,6 +13,7 @@ from towage.commands.sweep import PARTLY_FAILED
 
 if TYPE_CHECKING:
     from towage.operability.study import Done, Study
+    from towage.scene.scene import Scene
 
 HELP = "how much of the time criteria hold in the seas of a place"
 
@@ -74,16 +75,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """0 if all runs were done, 4 if some were not, 130 if interrupted. Raises `TowageError`."""
-    from towage.errors import SceneError
     from towage.process.stop import heeded
     from towage.terminal import INTERRUPTED, complain, tell
 
-    _, cases = common.load(arguments)
-    if len(cases) > 1:
-        names = ", ".join(repr(case.chosen) for case in cases)
-        raise SceneError(f"a study is over one case: choose one of {names} with --case", key="--case")
-    out = common.directory(arguments.out, cases[0], "_operability")
-    study = _study(arguments)
+    scene = common.load_one(arguments, "a study")
+    out = common.directory(arguments.out, scene, "_operability")
+    study = _study(scene, arguments)
     for note in study.notes:
         tell(note)
     try:
@@ -96,10 +93,9 @@ def execute(arguments: argparse.Namespace) -> int:
     return PARTLY_FAILED if done.lost else 0
 
 
-def _study(arguments: argparse.Namespace) -> Study:
+def _study(scene: Scene, arguments: argparse.Namespace) -> Study:
     from towage.operability.study import HEADINGS, Study
 
-    _, (scene,) = common.load(arguments)
     return Study.of(
         scene, arguments.criterion, scatter=arguments.scatter, directions=arguments.headings or HEADINGS,
         seeds=arguments.seeds, first=arguments.first_seed, length=_time(arguments.length, "--length"),

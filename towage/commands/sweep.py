@@ -83,13 +83,9 @@ def execute(arguments: argparse.Namespace) -> int:
     from towage.sweeps.sweep import JOURNAL, Sweep
     from towage.terminal import INTERRUPTED, complain
 
-    _, cases = common.load(arguments)
-    if len(cases) > 1:
-        names = ", ".join(repr(case.chosen) for case in cases)
-        raise SceneError(f"a sweep is over one case: choose one of {names} with --case", key="--case")
-    (scene,) = cases
+    scene = common.load_one(arguments, "a sweep")
     _check_options(arguments)
-    common.resolved(cases, arguments)  # builds FMUs here, where no timeout runs
+    common.resolved([scene], arguments)  # builds FMUs here, where no timeout runs
     points = design(scene, arguments.vary, arguments.samples, arguments.seed, arguments.fmus)
     sweep = Sweep(scene, points, arguments.fmus, arguments.flavour, arguments.timeout, common.limits(arguments))
     recorded = sweep.measures()
